@@ -1,5 +1,7 @@
 #include "apps/studio/session/picture_desk.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -11,6 +13,7 @@ namespace weir::studio {
 namespace {
 
 constexpr std::size_t kMaxVideoFrames = 2;  // that wait; then the simulation does
+constexpr int kPainterNice = 10;
 
 Error noPictures() {
   return ioError("this Weir cannot draw pictures: no plugin that does is loaded", "the plugin 'rendering'",
@@ -231,6 +234,10 @@ void PictureDesk::fail(const Error& problem, Lock& lock) {
 // The painter's thread
 
 void PictureDesk::paint() {
+  // Steps wait for the slowest of their threads, so whoever asks for pictures without end would slow all
+  // down. Linux keeps a priority for each thread, and what a thread starts, as OSMesa and ffmpeg, inherits
+  // it.
+  [[maybe_unused]] const int nice = ::nice(kPainterNice);
   Lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return quit_ || videoHasWork() || nextRequest() != requests_.end(); });

@@ -1,6 +1,6 @@
 // Pictures and videos of the simulation, drawn on a thread of its own by what a plugin brings
-// (framework/run/live_pictures.h). The simulation waits for no more than a copy of the frame, and for a video
-// that is behind.
+// (framework/run/live_pictures.h). The simulation goes first, and waits for no more than a copy of the frame,
+// and for a video that is behind.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,6 @@
 // Pictures and videos that the studio's server draws, with the plugin that draws them in runs.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <thread>
 
 #include "framework/graph/plugin.h"
+#include "framework/run/live_pictures.h"
 #include "tests/apps/studio/web_client.h"
 #include "tests/support/find_program.h"
 
@@ -75,6 +77,48 @@ TEST_F(PicturesTest, WithoutAPluginThatIsSaid) {
     ASSERT_NE(answer.find("error"), nullptr) << text;
     EXPECT_NE(answer.find("error")->find("message")->asString().find("no plugin"), std::string::npos);
   }
+}
+
+/// Its pictures tell the nice value of the thread that draws.
+class NiceValues final : public LivePictures, public LiveRenderer {
+ public:
+  std::vector<std::string> videoExtensions() const override { return {}; }
+  std::unique_ptr<LiveRenderer> open(Simulation&) const override { return std::make_unique<NiceValues>(); }
+  std::unique_ptr<Snapshot> capture(Simulation&, std::unique_ptr<Snapshot>) override {
+    return std::make_unique<Snapshot>();
+  }
+  std::string draw(Snapshot&, const LivePictureOptions&) override {
+    return std::to_string(::getpriority(PRIO_PROCESS, 0));
+  }
+  LivePixels pixels(Snapshot&, const LivePictureOptions&) override { return {}; }
+  void startVideo(const std::filesystem::path&, int, int) override {}
+  void addToVideo(Snapshot&, const LiveCamera&) override {}
+  void finishVideo() override {}
+};
+
+TEST_F(PicturesTest, StepsGoBeforePictures) {
+  const int ours = ::getpriority(PRIO_PROCESS, 0);
+  if (ours > 10) GTEST_SKIP() << "the tests have such a low priority that there may be none below it";
+  folder.write("scene.json", kBriefScene);
+  StudioOptions options;
+  options.folder = folder.path();
+  options.threads = 1;
+  const RunningStudio running(options, "scene.json", [](Registry& registry) {
+    registry.addService<LivePictures>("nice values", [] { return std::make_unique<NiceValues>(); });
+  });
+  const Socket socket = running.socket();
+  socket.ask(R"({"id": 5, "do": "run.reset"})");
+  socket.sendText(kAsk);
+  const auto packet = socket.until([](const Socket::Message& message) {
+    return !message.text && Socket::headerOf(message).find("kind")->asString() == "picture";
+  });
+  ASSERT_TRUE(packet);
+  const Value header = Socket::headerOf(*packet);
+  const std::string nice(
+      Socket::payloadOf(*packet).substr(static_cast<std::size_t>(header.find("data")->asInt()),
+                                        static_cast<std::size_t>(header.find("bytes")->asInt())));
+  EXPECT_GT(std::stoi(nice), ours);
+  EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), ours);
 }
 
 #ifdef WEIR_HAS_RENDERING
