@@ -18,6 +18,8 @@ WEIR_HD Vec3<T> spread(const Vec3f& v) {
 
 template <class T>
 WEIR_HD Vec3<T> rotated(const Quatf& q, const Vec3<T>& v) {
+  // As most are.
+  if (q.x == 0 && q.y == 0 && q.z == 0) return v;
   const Vec3<T> u = spread<T>({q.x, q.y, q.z});
   const Vec3<T> t = 2.0f * cross(u, v);
   return v + q.w * t + cross(u, t);
@@ -31,9 +33,12 @@ template <class T>
 WEIR_HD T smaller(const T& a, const T& b) {
   return select(a < b, a, b);
 }
+WEIR_HD inline float magnitude(float a) {
+  return fabsf(a);
+}
 template <class T>
 WEIR_HD T magnitude(const T& a) {
-  return larger(a, -a);
+  return abs(a);
 }
 
 }  // namespace detail

@@ -47,11 +47,19 @@ struct SlabIntegrals {
   T beyondD;  ///< D·R² of what is beyond
 
   WEIR_HD SlabIntegrals(const T& x, float half, float inverseRadius) {
-    const FaceIntegrals<T> up = faceIntegrals(T((half - x) * inverseRadius));
-    const FaceIntegrals<T> down = faceIntegrals(T((half + x) * inverseRadius));
-    between = 1 - up.phi - down.phi;
-    slope = inverseRadius * (up.slope - down.slope);
-    beyondD = up.d + down.d;
+    const T away = detail::magnitude(x);
+    const FaceIntegrals<T> near = faceIntegrals(T((half - away) * inverseRadius));
+    between = 1 - near.phi;
+    T outwards = near.slope;
+    beyondD = near.d;
+    // Of planes that are farther apart than the kernel is wide, only the nearer one may be felt.
+    if (half * inverseRadius < 1) {
+      const FaceIntegrals<T> far = faceIntegrals(T((half + away) * inverseRadius));
+      between -= far.phi;
+      outwards -= far.slope;
+      beyondD += far.d;
+    }
+    slope = inverseRadius * select(x < T(0), -outwards, outwards);
   }
 };
 
@@ -127,18 +135,35 @@ struct NoBoundary {
 
 /// For kernels of a fluid that meets one box.
 struct BoxBoundary {
-  BoundaryPiece box;
-  float radius = 0;  ///< R, m
-  float factor = 0;  ///< all integrals are times this
+  Shape box;
+  Aabb around;              ///< a box is felt within it at most, an inverted one outside of it
+  float inverseRadius = 0;  ///< 1/R, 1/m
+  float factor = 0;         ///< all integrals are times this
+
+  /// Of a piece whose bounds are known.
+  static BoxBoundary of(const BoundaryPiece& piece, float radius, float factor) {
+    const float out = piece.inverted() ? -radius : radius;
+    const Vec3f margin{out, out, out};
+    return {piece.shape, {piece.bounds.lo - margin, piece.bounds.hi + margin}, 1 / radius, factor};
+  }
 
   WEIR_HD bool empty() const { return false; }
 
   /// At one point, or at several.
   template <class T>
   WEIR_HD SolidIntegrals<T> at(const Vec3<T>& p) const {
-    if (!any(!(clearance(box, p) > T(radius)))) return {};
-    const SolidIntegrals<T> all = boxIntegrals(box.shape, 1 / radius, p);
+    if (!isFelt(p)) return {};
+    const SolidIntegrals<T> all = boxIntegrals(box, inverseRadius, p);
     return {factor * all.phi, factor * all.gradPhi, factor * all.d};
+  }
+
+ private:
+  template <class T>
+  WEIR_HD bool isFelt(const Vec3<T>& p) const {
+    const Vec3f &lo = around.lo, &hi = around.hi;
+    const auto within = (p.x > T(lo.x)) & (p.x < T(hi.x)) & (p.y > T(lo.y)) & (p.y < T(hi.y)) &
+                        (p.z > T(lo.z)) & (p.z < T(hi.z));
+    return box.inverted ? any(!within) : any(within);
   }
 };
 
@@ -149,9 +174,11 @@ struct BoundaryIntegrals {
   float factor = 0;  ///< all integrals are times this
 
   WEIR_HD bool empty() const { return boundary.count == 0; }
-  WEIR_HD bool isOneBox() const { return boundary.count == 1 && isBox(boundary.first); }
+  WEIR_HD bool isOneBox() const {
+    return boundary.count == 1 && boundary.first.bounded && isBox(boundary.first);
+  }
   /// Only if isOneBox().
-  WEIR_HD BoxBoundary oneBox() const { return {boundary.first, radius, factor}; }
+  BoxBoundary oneBox() const { return BoxBoundary::of(boundary.first, radius, factor); }
 
   WEIR_HD SolidIntegrals<float> of(const Vec3f& p) const {
     const float inverseRadius = 1 / radius;

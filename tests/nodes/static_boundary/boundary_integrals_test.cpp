@@ -9,6 +9,7 @@
 #include <random>
 
 #include "framework/compute/device.h"
+#include "framework/geometry/shape_bounds.h"
 #include "framework/geometry/triangle_mesh.h"
 
 namespace weir::test {
@@ -19,6 +20,9 @@ constexpr float kRadius = 0.05f;
 BoundaryPiece pieceOf(const Shape& shape) {
   BoundaryPiece piece;
   piece.shape = shape;
+  const std::optional<Aabb> bounds = boundsOf(shape);
+  piece.bounded = bounds.has_value();
+  piece.bounds = bounds.value_or(Aabb{});
   return piece;
 }
 
@@ -57,6 +61,12 @@ const Shape kBox{.kind = ShapeKind::kBox,
                  .rotation = {0.9f, 0.1f, 0.3f, 0.3f},
                  .halfSize = {0.1f, 0.06f, 0.08f}};
 
+/// So thin that the kernel sees both of its faces.
+const Shape kPlate{.kind = ShapeKind::kBox,
+                   .position = kBox.position,
+                   .rotation = kBox.rotation,
+                   .halfSize = {0.1f, 0.01f, 0.08f}};
+
 Shape inverted(Shape shape) {
   shape.inverted = true;
   return shape;
@@ -92,6 +102,8 @@ std::vector<Case> cases() {
   return {{"plane", {pieceOf(plane)}, 0.005},
           {"box", {pieceOf(kBox)}, 0.02},
           {"container", {pieceOf(inverted(kBox))}, 0.02},
+          {"plate", {pieceOf(kPlate)}, 0.02},
+          {"gap", {pieceOf(inverted(kPlate))}, 0.02},
           {"cylinder", {pieceOf(cylinder)}, 0.04},
           {"round tank", {pieceOf(inverted(cylinder))}, 0.04},
           {"ball", {pieceOf(sphere)}, 0.04},
@@ -192,6 +204,23 @@ TEST(BoundaryIntegrals, OfSeveralPointsAreThoseOfEach) {
       EXPECT_EQ(laneOf(together.phi, lane), one.phi) << of.name;
       EXPECT_EQ(laneOf(together.gradPhi, lane), one.gradPhi) << of.name;
       EXPECT_EQ(laneOf(together.d, lane), one.d) << of.name;
+    }
+  }
+}
+
+TEST(BoundaryIntegrals, OneBoxIsFeltAsAmongOthers) {
+  Shape unturned = kBox;
+  unturned.rotation = {};
+  for (const Shape& shape : {kBox, unturned, kPlate, inverted(kBox), inverted(unturned), inverted(kPlate)}) {
+    const std::vector<BoundaryPiece> pieces{pieceOf(shape)};
+    const BoundaryIntegrals all = integralsOf(pieces);
+    ASSERT_TRUE(all.isOneBox());
+    const BoxBoundary alone = all.oneBox();
+    for (const Vec3f& p : pointsNear(pieces, 3, 1000)) {
+      const SolidIntegrals<float> found = alone.at(p), expected = all.of(p);
+      EXPECT_EQ(found.phi, expected.phi);
+      EXPECT_EQ(found.gradPhi, expected.gradPhi);
+      EXPECT_EQ(found.d, expected.d);
     }
   }
 }
