@@ -38,9 +38,9 @@ struct EnergyDerivativeWith {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
-    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i), xyz(read(state, i)));
-    const auto e = excessOf(lambda, tension);
     const auto s = read(state, i);
+    if (!walls.empty()) lambda += walls.phi(i, displacement, xyz(s));
+    const auto e = excessOf(lambda, tension);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
     if (excess.size > 0) write(excess, i, e);
   }

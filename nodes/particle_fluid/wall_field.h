@@ -44,8 +44,15 @@ struct WallFieldViewWith {
   /// Φ of a particle, or of eight, at displacement u from the predicted position, which is x.
   template <class Index, class T>
   WEIR_HD T phi(Index i, const Vec3<T>& u, const Vec3<T>& x) const {
-    T sum = boundary.empty() ? T(0) : boundary.at(x).phi;
+    T sum = phiOfBoundary(x);
     if (integrals.size > 0) sum += phiOfMeshes(i, u);
+    return sum;
+  }
+  /// The same. Displacements are read only where there are meshes, as nothing else depends on them.
+  template <class Index, class T>
+  WEIR_HD T phi(Index i, const ArrayView<const Vec3f>& displacement, const Vec3<T>& x) const {
+    T sum = phiOfBoundary(x);
+    if (integrals.size > 0) sum += phiOfMeshes(i, read(displacement, i));
     return sum;
   }
   /// ∇Φ and D there; Φ is not among them.
@@ -65,6 +72,10 @@ struct WallFieldViewWith {
   }
 
  private:
+  template <class T>
+  WEIR_HD T phiOfBoundary(const Vec3<T>& x) const {
+    return boundary.empty() ? T(0) : boundary.at(x).phi;
+  }
   template <class Index, class T>
   WEIR_HD T phiOfMeshes(Index i, const Vec3<T>& u) const {
     const Vec4<T> at = read(integrals, i);

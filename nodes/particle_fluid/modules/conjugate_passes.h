@@ -48,7 +48,7 @@ struct RelativeExcess {
   template <class Index>
   WEIR_HD auto at(Index i, const ArrayView<const Vec3f>& displacement) const {
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
-    if (!walls.empty()) lambda += walls.phi(i, read(displacement, i), xyz(read(state, i)));
+    if (!walls.empty()) lambda += walls.phi(i, displacement, xyz(read(state, i)));
     return lambda - 1;
   }
 };

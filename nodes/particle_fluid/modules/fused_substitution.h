@@ -26,7 +26,7 @@ struct FirstDerivative {
   WEIR_HD void operator()(Index i) const {
     const auto p = read(predicted, i);
     auto lambda = volumeAtZero * read(crowding, i);
-    if (!walls.empty()) lambda += walls.phi(i, {}, p);
+    if (!walls.empty()) lambda += walls.phi(i, Vec3<NumberAt<Index>>{}, p);
     const auto e = excessOf(lambda, tension);
     write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
   }
@@ -35,6 +35,8 @@ struct FirstDerivative {
 /// The same where the search has left position and crowding, for CUDA.
 template <class Walls>
 struct DerivativeOfPlace {
+  // It stands between the search and a sum that reads lists ahead.
+  static constexpr Standing kLeaves = Standing::kLists, kReadsAhead = Standing::kCounts;
   float volumeAtZero;
   BulkEnergy energy;
   bool tension;
@@ -44,7 +46,7 @@ struct DerivativeOfPlace {
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec4f at = loadWhole(places[i]);
     float lambda = volumeAtZero * at.w;
-    if (!walls.empty()) lambda += walls.phi(i, {}, xyz(at));
+    if (!walls.empty()) lambda += walls.phi(i, Vec3f{}, xyz(at));
     storeWhole(places[i], {at.x, at.y, at.z, energy.derivative(excessOf(lambda, tension))});
   }
 };
@@ -65,13 +67,14 @@ struct FusedSubstitute {
   WEIR_HD void operator()(Index i) const {
     using Vector = Vec3<NumberAt<Index>>;
     const auto before = besideSum(displacement, i, !begins);
-    const auto predicted = besideSum(positions, i);
+    const auto predicted = besideSum(positions, i, !begins);
     const auto velocity = besideSum(velocities, i, ends);
     const auto at = pushOf(i);
     const Vector u = begins ? Vector{} : Vector(before());
     const auto moved = u + (at.push - u) / at.divisor;
     pushOf.followWalls(i, at);
-    const auto p = predicted() + moved;
+    // At first particles are where they are predicted, which the sum has read.
+    const auto p = (begins ? xyz(read(pushOf.weighted, i)) : Vector(predicted())) + moved;
     if (ends) {
       write(positions, i, p);
       const auto v = velocity() + inverseDt * moved;

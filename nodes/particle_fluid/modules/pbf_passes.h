@@ -33,7 +33,7 @@ struct Multiplier {
     });
     float over = gradient.particleVolume * density - 1;
     if (!walls.empty()) {
-      over += walls.phi(i, displacement[i], p);
+      over += walls.phi(i, displacement, p);
       sum += walls.push(i, p).gradPhi;
     }
     const float constraint = tension || over > 0 ? over : 0.0f;
