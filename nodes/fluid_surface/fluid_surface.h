@@ -61,7 +61,10 @@ class FluidSurface final : public Node, public OnRanks {
       *this,
       "mesh_smoothing",
       0,
-      {.min = 0, .max = 100, .softMax = 10, .doc = "Passes that smooth the mesh without shrinking it."}};
+      {.min = 0,
+       .max = 100,
+       .doc = "Passes that smooth the mesh without shrinking it. n of them halve waves of 2 sqrt(n) "
+              "cells, and take away shorter ones."}};
   Param<std::optional<float>> level{
       *this,
       "level",

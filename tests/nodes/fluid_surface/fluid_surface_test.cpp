@@ -95,6 +95,67 @@ TEST_P(FluidSurfaceTest, ALoneParticleIsADropOfAboutItsVolume) {
   EXPECT_NEAR(mesh.volume() / std::pow(double(kSpacing), 3), 1, 0.06);
 }
 
+/// A thread along y, 7 spacings thick, as a nozzle cuts it out of particles in no order.
+std::vector<Vec3f> roughThread() {
+  std::vector<Vec3f> all;
+  for (const Vec3f& p : test::jitteredCube(30, kSpacing, 0.4f, 5)) {
+    const Vec3f seen = p - 15 * kSpacing * Vec3f{1, 1, 1};
+    if (std::hypot(seen.x, seen.z) < 7 * kSpacing) all.push_back(seen);
+  }
+  return all;
+}
+
+/// Of the vertices in the middle of that thread: the radius in spacings, and how far normals are from the
+/// thread's, as the root of the mean square of the sine.
+struct Thread {
+  double radius = 0, tilt = 0;
+};
+Thread threadOf(const DynamicMesh& mesh) {
+  const std::vector<Vec3f> vertices = mesh.vertices.toHost(), normals = mesh.normals.toHost();
+  Thread found;
+  int count = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vec3f& v = vertices[i];
+    if (std::abs(v.y) > 7 * kSpacing) continue;
+    const double radius = std::hypot(v.x, v.z);
+    const double along = (double(normals[i].x) * v.x + double(normals[i].z) * v.z) / radius;
+    found.radius += radius / kSpacing, found.tilt += 1 - along * along, ++count;
+  }
+  return {found.radius / count, std::sqrt(found.tilt / count)};
+}
+
+TEST_P(FluidSurfaceTest, PassesSmoothAThreadThatKeepsItsRadius) {
+  Thread threads[3];
+  const int passes[] = {0, 10, 80};
+  for (int k = 0; k < 3; ++k) {
+    SurfaceScene scene(*device, roughThread(), test::object({{"mesh_smoothing", passes[k]}}));
+    expectGood(scene.mesh());
+    threads[k] = threadOf(*scene.node().surface);
+    std::printf("%d passes: radius %.3f spacings, tilt %.3f\n", passes[k], threads[k].radius,
+                threads[k].tilt);
+    EXPECT_NEAR(threads[k].radius, threads[0].radius, 0.05);
+  }
+  EXPECT_LT(threads[1].tilt, 0.8 * threads[0].tilt);
+  EXPECT_LT(threads[2].tilt, 0.3 * threads[0].tilt);
+}
+
+TEST_P(FluidSurfaceTest, PassesKeepDrops) {
+  for (const float radius : {0.1f, 1.5f, 3.0f}) {
+    double volumes[2];
+    for (int k = 0; k < 2; ++k) {
+      const TriangleMesh mesh = SurfaceScene(*device, ball(radius * kSpacing, {0.013f, 0.001f, 0.007f}),
+                                             test::object({{"mesh_smoothing", 100 * k}}))
+                                    .mesh();
+      expectGood(mesh);
+      volumes[k] = mesh.volume();
+    }
+    const double share = volumes[1] / volumes[0];
+    std::printf("radius %g: %.4f of the volume\n", radius, share);
+    EXPECT_GT(share, radius < 1 ? 0.6 : 0.95);  // the smallest has 28 vertices
+    EXPECT_LT(share, 1.01);
+  }
+}
+
 TEST_P(FluidSurfaceTest, NoFluidNoSurface) {
   const TriangleMesh mesh = SurfaceScene(*device, {}).mesh();
   EXPECT_TRUE(mesh.vertices.empty());
