@@ -1,6 +1,7 @@
 #include "plugins/views/scene_capture.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "framework/base/text.h"
 #include "framework/graph/outputs_of.h"
@@ -17,6 +18,12 @@
 namespace weir::rendering {
 
 namespace {
+
+/// Passes of a mesh's smoothing that halve waves of that many spacings: those of 2·√passes cells.
+int passesFor(float spacings) {
+  const float root = spacings / (2 * FluidMeshSettings{}.cellSize);
+  return static_cast<int>(std::lround(root * root));
+}
 
 Error unknownQuantity(const ParticleSet& particles, const std::string& name, const std::string& pointer) {
   std::vector<std::string> names{"speed", "none"};
@@ -280,11 +287,14 @@ void SceneCapture::captureClosedWater(const Simulation& simulation, SceneSnapsho
     if (first == snapshot.fluidSurfaces.size()) snapshot.fluidSurfaces.emplace_back(simulation.device());
     FluidSurfaceSnapshot& to = snapshot.fluidSurfaces[first++];
     const bool leavesSpray = breaksUp((*output)->material.spacing);
-    captureMesh(meshOf(node, **output, {.leavesSpray = leavesSpray}), &**output, to);
+    const FluidSettings& look = settings_.fluids[placeOfFluid(node)];
+    captureMesh(
+        meshOf(node, **output, {.meshSmoothing = passesFor(look.smoothing), .leavesSpray = leavesSpray}),
+        &**output, to);
     to.node = node;
     to.look = SurfaceLook::kWater;
     to.color = settings_.color->fixed;
-    to.water = waterView(*settings_.fluids[placeOfFluid(node)].water, 0, 0);
+    to.water = waterView(*look.water, 0, 0);
     constexpr float kReach = 2;  // spacings: a few of what the mesh resolves
     to.foamReach = kReach * (*output)->material.spacing;
   }

@@ -343,6 +343,22 @@ class Runs(WithFolder):
         vertices, _ = frame.mesh(water)
         self.assertGreater(numpy.linalg.norm(vertices - place, axis=1).min(), 0.1)
 
+    def test_a_fluid_is_as_smooth_as_its_look_says(self):
+        def roughness(smoothing):
+            """Of the side of the block that no wall holds, m."""
+            scene, run = json.loads(json.dumps(SCENE)), self.folder / f"run{smoothing}"
+            scene["render"]["fluids"][0]["smoothing"] = smoothing
+            self.scene.write_text(json.dumps(scene))
+            self.weir("run", self.scene, "--device", "cpu", "--blender", run, "--frames", "2", "--set", "water.spacing=0.02")
+            frame = handover.Frame(run / "frame_00002.npz")
+            vertices, _ = frame.mesh(next(i for i, s in enumerate(frame.scene["surfaces"]) if s["name"] == "water"))
+            inner = (abs(vertices[:, 1] - 0.15) < 0.07) & (abs(vertices[:, 2] - 0.16) < 0.08) & (vertices[:, 0] > 0.2)
+            x, place = vertices[inner, 0], vertices[inner, 1:]
+            shape = numpy.column_stack([numpy.ones(len(x)), place, place**2])  # the front is bent
+            return (x - shape @ numpy.linalg.lstsq(shape, x, rcond=None)[0]).std()
+
+        self.assertLess(roughness(6), 0.6 * roughness(0))
+
     def test_what_cycles_lacks_is_said(self):
         message = self.weir("run", self.scene, "--device", "cpu", "--engine", "cycles", "--images", self.folder / "p",
                             "--set", "render.cycles.device=gpu", "--frames", "0", code=5)
