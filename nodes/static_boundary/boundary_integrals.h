@@ -121,6 +121,17 @@ WEIR_HD inline SolidIntegrals<float> pieceIntegrals(const BoundaryPiece& piece, 
   return distanceIntegrals(piece, inverseRadius, at);
 }
 
+namespace detail {
+
+/// For points that may be near; the others get nothing, whoever is asked together with them.
+template <class T, class Mask>
+WEIR_HD SolidIntegrals<T> calibrated(const Mask& near, float factor, const SolidIntegrals<T>& all) {
+  const auto times = [&](const T& a) { return zeroUnless(near, T(factor * a)); };
+  return {times(all.phi), {times(all.gradPhi.x), times(all.gradPhi.y), times(all.gradPhi.z)}, times(all.d)};
+}
+
+}  // namespace detail
+
 // What solids of any kind take costs every sum over neighbours beside it registers, even where there are
 // none. So what most fluids have, no such solids or one box, are types of their own.
 
@@ -152,18 +163,18 @@ struct BoxBoundary {
   /// At one point, or at several.
   template <class T>
   WEIR_HD SolidIntegrals<T> at(const Vec3<T>& p) const {
-    if (!isFelt(p)) return {};
-    const SolidIntegrals<T> all = boxIntegrals(box, inverseRadius, p);
-    return {factor * all.phi, factor * all.gradPhi, factor * all.d};
+    const auto near = mayTouch(p);
+    if (!any(near)) return {};
+    return detail::calibrated(near, factor, boxIntegrals(box, inverseRadius, p));
   }
 
  private:
   template <class T>
-  WEIR_HD bool isFelt(const Vec3<T>& p) const {
+  WEIR_HD auto mayTouch(const Vec3<T>& p) const {
     const Vec3f &lo = around.lo, &hi = around.hi;
     const auto within = (p.x > T(lo.x)) & (p.x < T(hi.x)) & (p.y > T(lo.y)) & (p.y < T(hi.y)) &
                         (p.z > T(lo.z)) & (p.z < T(hi.z));
-    return box.inverted ? any(!within) : any(within);
+    return box.inverted ? !within : within;
   }
 };
 
@@ -216,7 +227,7 @@ struct BoundaryIntegrals {
       all = boxIntegrals(boundary.first.shape, 1 / radius, p);
     else
       forEachLane(near, [&](int lane) { setLane(all, lane, of(laneOf(p, lane))); });
-    return {factor * all.phi, factor * all.gradPhi, factor * all.d};
+    return detail::calibrated(near, factor, all);
   }
 
  private:

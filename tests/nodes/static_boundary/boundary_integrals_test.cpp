@@ -217,7 +217,7 @@ TEST(BoundaryIntegrals, OneBoxIsFeltAsAmongOthers) {
     ASSERT_TRUE(all.isOneBox());
     const BoxBoundary alone = all.oneBox();
     for (const Vec3f& p : pointsNear(pieces, 3, 1000)) {
-      const SolidIntegrals<float> found = alone.at(p), expected = all.of(p);
+      const SolidIntegrals<float> found = alone.at(p), expected = all.at(p);
       EXPECT_EQ(found.phi, expected.phi);
       EXPECT_EQ(found.gradPhi, expected.gradPhi);
       EXPECT_EQ(found.d, expected.d);
