@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "apps/weir/standard_streams.h"
@@ -81,14 +82,33 @@ void OutputOptions::checkPaths(TakenPaths& taken) const {
       taken.addOutput(output.options[i], output.paths[i]);
 }
 
-std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers() const {
+OutputPaths OutputOptions::Output::given() const {
+  OutputPaths given;
+  for (std::size_t i = 0; i < options.size(); ++i)
+    if (!paths[i].empty()) given[options[i].name] = paths[i];
+  return given;
+}
+
+bool OutputOptions::Output::isByRanks(const Scene& scene, const Communicator& ranks) const {
+  return ranks.size() > 1 && weir::isByRanks(*kind, name, source, scene);
+}
+
+bool OutputOptions::anyGathered(const Scene& scene, const Communicator& ranks) const {
+  return std::ranges::any_of(outputs_, [&](const Output& output) {
+    return !output.given().empty() && !output.isByRanks(scene, ranks);
+  });
+}
+
+std::vector<std::unique_ptr<Observer>> OutputOptions::makeObservers(const Scene& scene,
+                                                                    Communicator* ranks) const {
   std::vector<std::unique_ptr<Observer>> observers;
   for (const Output& output : outputs_) {
-    OutputPaths paths;
-    for (std::size_t i = 0; i < output.options.size(); ++i)
-      if (!output.paths[i].empty()) paths[output.options[i].name] = output.paths[i];
-    if (!paths.empty())
-      observers.push_back(makeGuardedObserver(*output.kind, output.name, output.source, paths));
+    const OutputPaths paths = output.given();
+    if (paths.empty()) continue;
+    const bool byRanks = ranks != nullptr && output.isByRanks(scene, *ranks);
+    if (ranks != nullptr && ranks->rank() > 0 && !byRanks) continue;
+    observers.push_back(
+        makeGuardedObserver(*output.kind, output.name, output.source, paths, byRanks ? ranks : nullptr));
   }
   return observers;
 }

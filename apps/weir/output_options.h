@@ -9,6 +9,7 @@
 
 #include "apps/weir/program.h"
 #include "framework/base/output_lock.h"
+#include "framework/communication/communicator.h"
 #include "framework/run/output_kind.h"
 
 namespace weir::app {
@@ -44,8 +45,11 @@ class OutputOptions {
 
   /// Whether any was given.
   bool any() const;
+  /// Whether any was given that is not written by every rank, for a run of this scene on these.
+  bool anyGathered(const Scene& scene, const Communicator& ranks) const;
   void checkPaths(TakenPaths& taken) const;
-  std::vector<std::unique_ptr<Observer>> makeObservers() const;
+  /// Of all that were given; on ranks but the first one of those that every rank writes. Null: no ranks.
+  std::vector<std::unique_ptr<Observer>> makeObservers(const Scene& scene, Communicator* ranks) const;
   /// Prints the paths that were given, a line each.
   void print() const;
   /// "--images, --video"
@@ -57,6 +61,9 @@ class OutputOptions {
     std::unique_ptr<OutputKind> kind;
     std::vector<OutputOption> options;
     std::vector<std::string> paths;  // as given, one for each option; empty if it was not
+
+    OutputPaths given() const;
+    bool isByRanks(const Scene& scene, const Communicator& ranks) const;
   };
   std::vector<Output> outputs_;
 };

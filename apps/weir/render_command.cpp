@@ -180,7 +180,7 @@ int RenderCommand::run() {
   RunOptions options;
   options.nextFrame = [&](Simulation&) { return replay->next(); };
   const RunEnd end =
-      runShown(program_, simulation, outputs_->makeObservers(), options, quiet_, [&](const Simulation& s) {
+      runShown(program_, simulation, outputs_->makeObservers(simulation.scene(), nullptr), options, quiet_, [&](const Simulation& s) {
         ProgressState state = ProgressState::of(s, replay->lastFrame());
         state.particles = replay->particles();
         state.endTime = recording->times().back();

@@ -205,8 +205,10 @@ std::vector<OutputLock> RunCommand::takeOutputPaths() const {
   return taken.lock();
 }
 
-std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers() const {
-  std::vector<std::unique_ptr<Observer>> observers = outputs_->makeObservers();
+std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers(const Scene& scene,
+                                                                Communicator* ranks) const {
+  std::vector<std::unique_ptr<Observer>> observers = outputs_->makeObservers(scene, ranks);
+  if (ranks != nullptr && ranks->rank() > 0) return observers;
   if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));
   observers.push_back(std::make_unique<StatisticsOutput>(stats_, program_.log()));
   return observers;
@@ -358,20 +360,26 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   RunOptions options;
   options.lastFrame = frames_;
   if (checkpoints) options.checkpoints = &*checkpoints;
+  if (checkpoints) options.saveAndStop = &Interruption::warned();
   if (resumed) options.resume = &resumed->state;
+  const std::vector<std::unique_ptr<Observer>> observers = makeObservers(simulation.scene(), ranks);
   std::optional<AgreedRun> agreed;
   const std::unique_ptr<ParcelRoute> route = openRoute(ranks, device, log);  // goes before the simulation
   if (ranks != nullptr) {
-    joinRanks(simulation, *ranks, {.frames = outputs_->any(), .checkpoints = checkpoints.has_value()});
+    joinRanks(simulation, *ranks,
+              {.frames = outputs_->anyGathered(simulation.scene(), *ranks),
+               .checkpoints = checkpoints.has_value()});
     agreed.emplace(*ranks, Interruption::asked(), options);
     if (ranks->rank() > 0) {
-      const RunEnd end = runSimulation(simulation, {}, options);
+      std::vector<Observer*> own;
+      for (const auto& observer : observers) own.push_back(observer.get());
+      const RunEnd end = runSimulation(simulation, own, options);
       if (route) route->end();
       return end;
     }
   }
   const std::int64_t last = lastFrameOf(simulation.clock(), options);
-  const RunEnd end = runShown(program_, simulation, makeObservers(), options, quiet_,
+  const RunEnd end = runShown(program_, simulation, observers, options, quiet_,
                               [last](const Simulation& s) { return ProgressState::of(s, last); });
   if (route) route->end();
   log.info(howItEnded(end) + summaryOf(simulation));

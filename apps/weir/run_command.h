@@ -27,7 +27,8 @@ class RunCommand {
 
  private:
   std::vector<Override> overrides() const;
-  std::vector<std::unique_ptr<Observer>> makeObservers() const;
+  /// Those of this rank, or of a run that has none; `ranks` is null there.
+  std::vector<std::unique_ptr<Observer>> makeObservers(const Scene& scene, Communicator* ranks) const;
   /// Throws where one cannot be, and where another run has it.
   std::vector<OutputLock> takeOutputPaths() const;
   /// What names of checkpoints may end in; asked for only if one is to be made.

@@ -12,6 +12,7 @@
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/graph/given_data.h"
+#include "framework/run/saved_outputs.h"
 #include "framework/scene/scene_file.h"
 
 namespace weir {
@@ -179,10 +180,8 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
                         .inputs = inputs_,
                         .state = {}};
   const StateWriter state(checkpoint.state);
-  const StateWriter outputs = state.in(kOutputStates);
   // First, as they wait until all is on the disk.
-  for (Observer* observer : observers)
-    if (!observer->stateName().empty()) observer->save(outputs.in(observer->stateName()));
+  saveOutputs(observers, state.in(kOutputStates));
   simulation.save(state);
 
   // All names are made first: where memory ends in one, no draft is left.

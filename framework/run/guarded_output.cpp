@@ -1,10 +1,13 @@
 #include "framework/run/guarded_output.h"
 
+#include <exception>
+#include <functional>
 #include <utility>
 
 #include "framework/base/check.h"
 #include "framework/base/text.h"
 #include "framework/graph/guard.h"
+#include "framework/run/output_by_ranks.h"
 
 namespace weir {
 
@@ -27,32 +30,45 @@ class GuardedObserver final : public Observer {
   std::string name() const override { return name_; }
   std::string_view stateName() const override { return stateName_; }
   void begin(Simulation& simulation) override {
-    part_.call("begin", [&] { observer_->begin(simulation); });
+    call("begin", [&] { observer_->begin(simulation); });
   }
   void save(const StateWriter& to) override {
-    part_.call("save", [&] { observer_->save(to); });
+    call("save", [&] { observer_->save(to); });
   }
   void resume(Simulation& simulation, const StateReader& from) override {
-    part_.call("resume", [&] { observer_->resume(simulation, from); });
+    call("resume", [&] { observer_->resume(simulation, from); });
   }
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
     std::unique_ptr<Snapshot> snapshot;
-    part_.call("capture", [&] { snapshot = observer_->capture(simulation, std::move(used)); });
+    call("capture", [&] { snapshot = observer_->capture(simulation, std::move(used)); });
     return snapshot;
   }
   void write(Snapshot& snapshot) override {
-    part_.call("write", [&] { observer_->write(snapshot); });
+    call("write", [&] { observer_->write(snapshot); });
   }
   std::vector<OutputPart> writeParts() const override {
     std::vector<OutputPart> parts;
-    part_.call("writeParts", [&] { parts = observer_->writeParts(); });
+    call("writeParts", [&] { parts = observer_->writeParts(); });
     return parts;
   }
   void end(Simulation& simulation, RunEnd how) override {
-    part_.call("end", [&] { observer_->end(simulation, how); });
+    call("end", [&] { observer_->end(simulation, how); });
   }
 
  private:
+  /// That another rank has failed is no mistake of the observer's, and goes on as it is.
+  void call(std::string_view hook, const std::function<void()>& f) const {
+    std::exception_ptr ended;
+    part_.call(hook, [&] {
+      try {
+        f();
+      } catch (const RanksEnded&) {
+        ended = std::current_exception();
+      }
+    });
+    if (ended) std::rethrow_exception(ended);
+  }
+
   std::unique_ptr<Observer> observer_;
   GuardedPart part_;
   std::string name_, stateName_;
@@ -73,11 +89,22 @@ bool showsReplays(const OutputKind& kind, const std::string& name, const std::st
   return shows;
 }
 
+bool isByRanks(const OutputKind& kind, const std::string& name, const std::string& source,
+               const Scene& scene) {
+  const auto* const byRanks = dynamic_cast<const OutputByRanks*>(&kind);
+  bool asked = false;
+  if (byRanks != nullptr)
+    outputPart(name, source).call("isAsked", [&] { asked = byRanks->isAsked(scene); });
+  return asked;
+}
+
 std::unique_ptr<Observer> makeGuardedObserver(const OutputKind& kind, const std::string& name,
-                                              const std::string& source, const OutputPaths& paths) {
+                                              const std::string& source, const OutputPaths& paths,
+                                              Communicator* ranks) {
   std::unique_ptr<Observer> observer;
   outputPart(name, source).call("create", [&] {
-    observer = kind.create(paths);
+    observer = ranks != nullptr ? dynamic_cast<const OutputByRanks&>(kind).create(paths, *ranks)
+                                : kind.create(paths);
     WEIR_CHECK(observer != nullptr);
   });
   return std::make_unique<GuardedObserver>(std::move(observer), outputPart(name, source));

@@ -37,11 +37,14 @@ void joinRanks(Simulation& simulation, Communicator& ranks, WatchedByRanks watch
 AgreedRun::AgreedRun(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {
   options.stop = &stop_;
   options.onProgress = [this, &ranks, &asked, told = std::move(options.onProgress)](const Simulation& run) {
-    if (ranks.any(asked)) stop_ = true;
+    if (ranks.any(asked || savedToStop_)) stop_ = true;
     if (told) told(run);
   };
-  options.atFrame = [&ranks](Simulation& run, bool makesCheckpoint) {
-    if (ranks.any(makesCheckpoint)) forEachShared(run, [](SharedByRanks& shared) { shared.gather(); });
+  options.atFrame = [this, &ranks, saveAndStop = options.saveAndStop](Simulation& run, bool makesCheckpoint) {
+    savedToStop_ = makesCheckpoint && saveAndStop != nullptr && *saveAndStop;
+    const bool anyMakes = ranks.any(makesCheckpoint);
+    if (anyMakes) forEachShared(run, [](SharedByRanks& shared) { shared.gather(); });
+    return anyMakes;
   };
 }
 

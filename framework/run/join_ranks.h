@@ -15,7 +15,7 @@ namespace WEIR_API weir {
 void joinRanks(Simulation& simulation, Communicator& ranks, WatchedByRanks watched = {});
 
 /// While it lives, the run with these options ends on all ranks at the same step once `asked` is true on one,
-/// and ranks gather their particles where rank 0 makes a checkpoint.
+/// or one has saved and stops, and ranks gather their particles where rank 0 makes a checkpoint.
 class AgreedRun {
  public:
   AgreedRun(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options);
@@ -24,6 +24,7 @@ class AgreedRun {
 
  private:
   std::atomic<bool> stop_{false};
+  bool savedToStop_ = false;
 };
 
 }  // namespace weir

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/run/output_worker.h"
+#include "framework/run/saved_outputs.h"
 
 namespace weir {
 
@@ -97,11 +98,14 @@ RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, O
     outputs.showFrame(simulation);
     const bool ends = options.saveAndStop != nullptr && *options.saveAndStop;
     const bool isDue = options.checkpoints != nullptr && (ends || options.checkpoints->isDue(simulation));
-    if (options.atFrame) options.atFrame(simulation, isDue);
+    const bool saves = options.atFrame ? options.atFrame(simulation, isDue) : isDue;
+    if (saves) outputs.wait();
     if (isDue) {
-      outputs.wait();
       options.checkpoints->write(simulation, observers);
       saved = ends;
+    } else if (saves) {
+      StateArrays ofAnotherRank;
+      saveOutputs(observers, StateWriter(ofAnotherRank).in(kOutputStates));
     }
     showProgress();
   };

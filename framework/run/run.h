@@ -30,8 +30,9 @@ struct RunOptions {
   /// Where frames come from in place of steps: shows the next frame of a replay (Simulation::showAt), or
   /// returns false behind the last one. The simulation must be a replay. Null: the scene is simulated.
   std::function<bool(Simulation&)> nextFrame;
-  /// Called at every frame once the observers have captured it, before a checkpoint is made there.
-  std::function<void(Simulation&, bool makesCheckpoint)> atFrame;
+  /// Called at every frame once the observers have captured it, with whether a checkpoint is made there;
+  /// returns whether the observers save then what they have, which they also do where another rank makes one.
+  std::function<bool(Simulation&, bool makesCheckpoint)> atFrame;
   /// Called at frame 0, after every step, and after every frame once the observers have captured it.
   std::function<void(const Simulation&)> onProgress;
 };

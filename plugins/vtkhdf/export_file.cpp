@@ -10,17 +10,19 @@ void ExportFile::begin(const Simulation& simulation) {
   sceneText_ = simulation.scene().text;
 }
 
-void ExportFile::open(VtkHdfLayout layout, const char* listName, const std::vector<std::string>& names) {
+ExportTexts ExportFile::texts(const char* listName, const std::vector<std::string>& names) const {
+  std::string lines;
+  for (const std::string& name : names) lines += name + "\n";
+  return {{"version", std::string(version())}, {"scene", sceneText_}, {listName, lines}};
+}
+
+void ExportFile::open(VtkHdfLayout layout, const ExportTexts& texts) {
   if (earlier_) {
     writer_ = std::make_unique<VtkHdfWriter>(path_, std::move(layout), *earlier_);
     return;
   }
   writer_ = std::make_unique<VtkHdfWriter>(path_, std::move(layout));
-  std::string lines;
-  for (const std::string& name : names) lines += name + "\n";
-  writer_->setText("version", version());
-  writer_->setText("scene", sceneText_);
-  writer_->setText(listName, lines);
+  for (const auto& [name, text] : texts) writer_->setText(name, text);
 }
 
 void ExportFile::close() {

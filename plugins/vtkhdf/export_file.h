@@ -24,10 +24,12 @@ class ExportFile {
   void begin(const Simulation& simulation);
 
   bool isOpen() const { return writer_ != nullptr; }
-  /// Makes the file, or goes on behind the frames that it had when the checkpoint was saved. A new one keeps
-  /// the version of Weir, the scene's text and, as the text `listName`, `names` in the order of their
+  /// The version of Weir, the scene's text and, as the text `listName`, `names` in the order of their
   /// numbers.
-  void open(VtkHdfLayout layout, const char* listName, const std::vector<std::string>& names);
+  ExportTexts texts(const char* listName, const std::vector<std::string>& names) const;
+  /// Makes the file, or goes on behind the frames that it had when the checkpoint was saved. A new one keeps
+  /// these texts.
+  void open(VtkHdfLayout layout, const ExportTexts& texts);
   /// Of an open file.
   VtkHdfWriter& writer() { return *writer_; }
   void close();

@@ -38,6 +38,13 @@ class ExportSettings final : public Configurable {
            "the largest power of two (of a metre) that allows it, and the file is smaller; 0 writes them as "
            "they are, in single precision."}};
 
+  Param<bool> byRank{
+      *this,
+      "by_rank",
+      false,
+      {.doc = "On several ranks each one writes a file of its own, in a folder beside the file, which stands "
+              "for all of them: nothing is gathered. Otherwise the first one writes all."}};
+
   void validate() const override;
 
   /// Whether a frame is written, in a run with that many frames a second.

@@ -102,6 +102,16 @@ std::string commaList(std::string lines) {
   return lines;
 }
 
+/// "3: run_ranks/cells.h5, run_ranks/rank_0.vtkhdf, run_ranks/rank_1.vtkhdf"
+std::string otherFilesText(std::vector<std::string> names) {
+  if (names.empty()) return {};
+  constexpr std::size_t kMax = 8;
+  const std::size_t all = names.size();
+  names.resize(std::min(all, kMax));
+  if (all > kMax) names.emplace_back("…");
+  return fmt::format("{}: {}", all, joinNames(names, ", "));
+}
+
 FileContents contentsOf(const VtkHdfReader& reader) {
   const auto& times = reader.times();
   const auto text = [&](const char* name) {
@@ -120,6 +130,8 @@ FileContents contentsOf(const VtkHdfReader& reader) {
   if (!own) contents.kind = "VTKHDF of another program";
   add("version", text("version"));
   add("frames", groupedText(static_cast<std::int64_t>(times.size())));
+  add("other files", otherFilesText(reader.otherFiles()));
+  add("of rank", text("rank"));
   add("fluids", commaList(text("fluids")));
   add("surfaces", commaList(text("surfaces")));
   add("solids", commaList(text("solids")));
@@ -136,7 +148,7 @@ FileContents contentsOf(const VtkHdfReader& reader) {
     add("attributes", joinNames(attributes, ", "));
   }
   // An export of particles has the statistics once its run has ended.
-  if (own && !ofMeshes)
+  if (own && !ofMeshes && !reader.hasText("rank"))
     add("run", reader.hasText("statistics") ? "has ended" : "goes on, or was stopped before its end");
   if (!contents.scene.empty()) add("nodes", nodesOf(contents.scene));
   return contents;

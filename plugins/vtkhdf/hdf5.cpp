@@ -62,24 +62,6 @@ hid_t memoryType(NumberType type) {
   return H5I_INVALID_HID;
 }
 
-hid_t fileType(NumberType type) {
-  switch (type) {
-    case NumberType::kFloat32:
-      return H5T_IEEE_F32LE;
-    case NumberType::kFloat64:
-      return H5T_IEEE_F64LE;
-    case NumberType::kInt32:
-      return H5T_STD_I32LE;
-    case NumberType::kInt64:
-      return H5T_STD_I64LE;
-    case NumberType::kUint32:
-      return H5T_STD_U32LE;
-    case NumberType::kUint8:
-      return H5T_STD_U8LE;
-  }
-  return H5I_INVALID_HID;
-}
-
 herr_t takeFirst(unsigned, const H5E_error2_t* error, void* text) {
   std::string& message = *static_cast<std::string*>(text);
   if (message.empty() && error->desc) message = error->desc;
@@ -155,6 +137,24 @@ std::string lastMessage() {
     return message.substr(from, message.find('\'', from) - from);
   }
   return message.empty() ? "HDF5 gives no reason" : message;
+}
+
+hid_t fileType(NumberType type) {
+  switch (type) {
+    case NumberType::kFloat32:
+      return H5T_IEEE_F32LE;
+    case NumberType::kFloat64:
+      return H5T_IEEE_F64LE;
+    case NumberType::kInt32:
+      return H5T_STD_I32LE;
+    case NumberType::kInt64:
+      return H5T_STD_I64LE;
+    case NumberType::kUint32:
+      return H5T_STD_U32LE;
+    case NumberType::kUint8:
+      return H5T_STD_U8LE;
+  }
+  return H5I_INVALID_HID;
 }
 
 std::size_t sizeOf(NumberType type) {
@@ -267,6 +267,8 @@ Dataset::Dataset(Handle handle, std::shared_ptr<const std::string> file, std::st
   const H5T_class_t kind = H5Tget_class(type.get());
   if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw error("holds no numbers");
   isInteger_ = kind == H5T_INTEGER;
+  const Handle made = checkedHandle(H5Dget_create_plist(id()), H5Pclose, "read the layout of");
+  isVirtual_ = H5Pget_layout(made.get()) == H5D_VIRTUAL;
 
   const Handle space = checkedHandle(H5Dget_space(id()), H5Sclose, "read the shape of");
   dimensions_ = checked(H5Sget_simple_extent_ndims(space.get()), "read the shape of");
@@ -308,6 +310,8 @@ void Dataset::checkRange(std::int64_t first, std::int64_t count) const {
   if (first < 0 || count < 0 || first > rows_ || count > rows_ - first)
     throw error("has " + std::to_string(rows_) + " rows, but the file asks for " + std::to_string(count) +
                 " from row " + std::to_string(first) + " on");
+  // What is elsewhere is checked there.
+  if (isVirtual_) return;
   // Of what was never stored HDF5 reads zeros, as many as the file says.
   constexpr std::int64_t kFew = 1 << 16;
   const std::int64_t numbers = count * columns_;

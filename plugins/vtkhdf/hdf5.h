@@ -79,6 +79,8 @@ template <>
 inline constexpr NumberType kNumberType<std::uint8_t> = NumberType::kUint8;
 
 std::size_t sizeOf(NumberType type);
+/// How HDF5 calls what stands in a file.
+hid_t fileType(NumberType type);
 
 /// A group or a data set of a file, with its attributes.
 class Object {
@@ -128,6 +130,13 @@ inline constexpr std::int64_t kMaxRows = std::int64_t{1} << 48;
 /// Deflate cannot shrink data further than this, so a file that claims more is damaged.
 inline constexpr double kStrongestCompression = 1032;
 
+/// Rows of a data set of another file, of which a virtual data set consists. The file's name is taken from
+/// the folder of the file that names it.
+struct RowsElsewhere {
+  std::string file, dataset;
+  std::int64_t first = 0, count = 0;
+};
+
 /// An array of numbers whose first dimension counts rows.
 class Dataset : public Object {
  public:
@@ -136,6 +145,10 @@ class Dataset : public Object {
   /// Numbers in a row: 1 for one dimension.
   std::int64_t columns() const { return columns_; }
   bool isInteger() const { return isInteger_; }
+  /// Whether its rows stand in other files.
+  bool isVirtual() const { return isVirtual_; }
+  /// Where; none if it is not virtual. Rows that are in no file are left out.
+  std::vector<RowsElsewhere> elsewhere() const;
 
   /// Adds rows behind the last one; `values` holds whole rows. They reach the file at once, but count only
   /// after File::flush().
@@ -172,7 +185,7 @@ class Dataset : public Object {
 
   int dimensions_ = 1;
   std::int64_t rows_ = 0, columns_ = 1;
-  bool isInteger_ = false;
+  bool isInteger_ = false, isVirtual_ = false;
 };
 
 /// How a growing data set is laid out in the file.
@@ -189,6 +202,7 @@ class Group : public Object {
   bool has(const std::string& name) const;
   bool isDataset(const std::string& name) const;
   bool isGroup(const std::string& name) const;
+  bool isVirtual(const std::string& name) const;  ///< a data set whose rows stand in other files
   std::vector<std::string> members() const;
 
   Group group(const std::string& name) const;
@@ -202,6 +216,10 @@ class Group : public Object {
   Dataset openGrowing(const std::string& name, const Growing& layout) {
     return has(name) ? dataset(name) : createGrowing(name, layout);
   }
+  /// Of these rows, one after the other, in data sets of such numbers. Where a file or its rows are missing,
+  /// readers find NaN, or -1.
+  void createVirtual(const std::string& name, NumberType type, int columns,
+                     std::span<const RowsElsewhere> rows);
   /// A UTF-8 text of any length, as a scalar string of fixed length; replaces one of that name.
   void writeText(const std::string& name, std::string_view text);
   std::string readText(const std::string& name) const;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 
 #include "framework/base/isolated_work.h"
+#include "plugins/vtkhdf/files_elsewhere.h"
 #include "plugins/vtkhdf/hdf5.h"
 
 namespace weir::hdf5 {
@@ -24,9 +24,7 @@ std::string runIsolated(const std::function<std::string()>& work, int cpuSeconds
 
 int cpuSecondsFor(const std::filesystem::path& file) {
   constexpr double kMin = 20, kMax = 1e6, kBytesPerSecond = 1e6;
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  return static_cast<int>(error ? kMin : std::min(kMin + double(size) / kBytesPerSecond, kMax));
+  return static_cast<int>(std::min(kMin + bytesOfSet(file) / kBytesPerSecond, kMax));
 }
 
 }  // namespace weir::hdf5

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -91,6 +92,20 @@ void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::i
   });
 }
 
+/// What some ranks have written cannot be gone on with by others.
+void checkRanks(const StateReader& saved, int present, const std::filesystem::path& file) {
+  const int before = ExportOfRanks::savedRanks(saved);
+  if (before == present) return;
+  const auto what = [](int files) {
+    return files == 1 ? std::string("one file") : fmt::format("a file of each of {} ranks", files);
+  };
+  throw ioError(fmt::format("the export was written as {}, and would go on as {}", what(before),
+                            what(present)),
+                before == 1 ? std::string("export.by_rank=false") : fmt::format("{} ranks", before),
+                "or export to another file")
+      .at({.file = file.string()});
+}
+
 }  // namespace
 
 /// The particles of all fluids, one fluid behind the other.
@@ -100,14 +115,15 @@ class ParticleExport::Frame final : public Snapshot {
     for (const AttributeInfo& info : columns) columns_.push_back(columnOf(info, device));
   }
 
-  void start(const std::vector<Source>& sources, const std::vector<AttributeInfo>& columns, double time) {
+  /// Takes so many of each source.
+  void start(const std::vector<Source>& sources, std::vector<std::int64_t> counts,
+             const std::vector<AttributeInfo>& columns, double time) {
     time_ = time;
+    counts_ = std::move(counts);
     spacing_ = std::numeric_limits<double>::infinity();
     for (const Source& source : sources)
       spacing_ = std::min<double>(spacing_, (*source.output)->material.spacing);
-    counts_.clear();
-    std::int64_t total = 0;
-    for (const Source& source : sources) total += counts_.emplace_back(source.particles().refreshCount());
+    const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
     positions_.resize(total);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::int64_t numbers = numbersIn(columns[c].type) * total;
@@ -123,6 +139,8 @@ class ParticleExport::Frame final : public Snapshot {
   }
 
   /// Waits until all has arrived. Rounds positions to multiples of `grid`, if it is not 0.
+  const std::vector<std::int64_t>& counts() const { return counts_; }
+
   VtkHdfFrame finish(float grid) {
     VtkHdfFrame frame{.time = time_, .positions = positions_.wait(), .attributes = {}, .fields = {}};
     if (grid > 0) frame.positions = rounded(frame.positions, grid);
@@ -132,6 +150,8 @@ class ParticleExport::Frame final : public Snapshot {
     if (counts_.size() > 1) frame.attributes.emplace_back(fluidIndices());
     return frame;
   }
+
+  FrameOfRanks ofRanks;  ///< where there are some
 
  private:
   std::span<const Vec3f> rounded(std::span<const Vec3f> positions, float grid) {
@@ -159,10 +179,14 @@ class ParticleExport::Frame final : public Snapshot {
 
 ParticleExport::ParticleExport(std::filesystem::path file) : file_(std::move(file)) {}
 
+ParticleExport::ParticleExport(std::filesystem::path file, Communicator& ranks)
+    : ranks_(std::in_place, std::move(file), ranks), file_(ranks_->ownFile()) {}
+
 ParticleExport::~ParticleExport() = default;
 
 void ParticleExport::begin(Simulation& simulation) {
   findSources(simulation);
+  if (ranks_) ranks_->begin();
   file_.begin(simulation);
   const auto section = simulation.scene().sections.find("export");
   if (section != simulation.scene().sections.end())
@@ -175,16 +199,20 @@ void ParticleExport::begin(Simulation& simulation) {
 
 void ParticleExport::save(const StateWriter& to) {
   // After a resume there may have been no frame yet that is written.
+  if (ranks_) prepareRanks();
   if (!file_.isOpen()) openFile();
   file_.save(to);
+  if (ranks_) ranks_->save(to);
   std::string names;
   for (const AttributeInfo& column : columns_) names += column.name + "\n";
   to.put("attributes", std::span<const char>(names));
 }
 
 void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
+  checkRanks(from, ranks_ ? ranks_->ranks() : 1, file_.path());
   begin(simulation);
   file_.resume(from);
+  if (ranks_) ranks_->resume(from);
   std::vector<std::string>& attributes = earlierAttributes_.emplace();
   const std::vector<char> names = from.getAll<char>("attributes");
   for (auto begin = names.begin(); begin != names.end();) {
@@ -197,7 +225,7 @@ void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
 void ParticleExport::findSources(Simulation& simulation) {
   sources_.clear();
   for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph))
-    sources_.push_back({node, output});
+    sources_.push_back({node, output, ranks_ ? dynamic_cast<OwnedParticles*>(&output->node()) : nullptr});
   if (sources_.empty()) throw noParticles(file_.path());
 }
 
@@ -210,17 +238,37 @@ std::unique_ptr<Snapshot> ParticleExport::capture(Simulation& simulation, std::u
   warnOfNewAttributes(simulation);
   if (!settings().wants(simulation.frame(), simulation.scene().world.frameRate)) return nullptr;
   if (!used) used = std::make_unique<Frame>(columns_, simulation.device());
-  static_cast<Frame&>(*used).start(sources_, columns_, simulation.time());
+  Frame& frame = static_cast<Frame&>(*used);
+  std::vector<std::int64_t> counts;
+  for (const Source& source : sources_) counts.push_back(countOf(source));
+  if (ranks_) {
+    prepareRanks();
+    frame.ofRanks = ranks_->share(counts, written_);
+  }
+  frame.start(sources_, std::move(counts), columns_, simulation.time());
   return used;
 }
 
 void ParticleExport::write(Snapshot& snapshot) {
   if (!file_.isOpen()) openFile();
-  file_.writer().append(static_cast<Frame&>(snapshot).finish(settings().grid()));
+  Frame& captured = static_cast<Frame&>(snapshot);
+  const VtkHdfFrame frame = captured.finish(settings().grid());
+  file_.writer().append(frame);
+  written_ = file_.writer().framesWritten();
   // A file that was removed can be written to, but nobody will ever read it.
   std::error_code error;
   if (!std::filesystem::exists(file_.path(), error))
     throw ioError("the file was removed while it was being written").at({.file = file_.path().string()});
+  if (ranks_) ranks_->add(frame, captured.ofRanks);
+}
+
+std::int64_t ParticleExport::countOf(const Source& source) const {
+  const bool isAnothers = ranks_ && source.owned == nullptr && ranks_->rank() > 0;
+  return isAnothers ? 0 : source.particles().refreshCount();
+}
+
+void ParticleExport::prepareRanks() {
+  ranks_->prepare(layout(), texts());
 }
 
 void ParticleExport::chooseSources() {
@@ -295,24 +343,44 @@ bool ParticleExport::isColumn(std::string_view name) const {
                      [&](const AttributeInfo& column) { return column.name == name; });
 }
 
-void ParticleExport::openFile() {
+VtkHdfLayout ParticleExport::layout() const {
   VtkHdfLayout layout{
       .attributes = {}, .fields = {"particles", "spacing"}, .roundPositions = settings().grid() > 0};
   for (const AttributeInfo& column : columns_) layout.attributes.push_back(attributeOf(column));
   if (several())
     layout.attributes.push_back({.name = kFluidIndexName, .type = VtkHdfType::kInt32, .unit = {}});
+  return layout;
+}
+
+ExportTexts ParticleExport::texts() const {
   std::vector<std::string> names;
   for (const Source& source : sources_) names.push_back(source.name);
-  file_.open(std::move(layout), "fluids", names);
-  if (const float grid = settings().grid(); grid > 0 && !earlierAttributes_)
-    file_.writer().setText("position_error", fmt::format("{:.9g}", 0.5f * grid));
+  ExportTexts texts = file_.texts("fluids", names);
+  if (const float grid = settings().grid(); grid > 0)
+    texts.emplace_back("position_error", fmt::format("{:.9g}", 0.5f * grid));
+  return texts;
+}
+
+void ParticleExport::openFile() {
+  ExportTexts own = texts();
+  if (ranks_) own.emplace_back("rank", std::to_string(ranks_->rank()));
+  file_.open(layout(), own);
 }
 
 void ParticleExport::end(Simulation& simulation, RunEnd how) {
   // After a failure the writer may have given up, and the frames that are there matter more than a report.
+  if (ranks_) return endOnRanks(simulation, how);
   if (file_.isOpen() && how != RunEnd::kFailed)
     file_.writer().setText("statistics", writeJson(runStatistics(simulation, how)));
   file_.close();
+}
+
+void ParticleExport::endOnRanks(Simulation& simulation, RunEnd how) {
+  file_.close();
+  if (!file_.isOpen()) return;
+  if (how == RunEnd::kFailed) return ranks_->keepComplete();
+  if (ranks_->rank() == 0) ranks_->setText("statistics", writeJson(runStatistics(simulation, how)));
+  ranks_->complete();
 }
 
 std::vector<OutputOption> ParticleExportKind::options() const {
@@ -324,6 +392,17 @@ std::vector<OutputOption> ParticleExportKind::options() const {
 
 std::unique_ptr<Observer> ParticleExportKind::create(const OutputPaths& paths) const {
   return std::make_unique<ParticleExport>(paths.at(kOptionName));
+}
+
+bool ParticleExportKind::isAsked(const Scene& scene) const {
+  const auto section = scene.sections.find("export");
+  if (section == scene.sections.end()) return false;
+  const auto* const settings = dynamic_cast<const ExportSettings*>(section->second.get());
+  return settings != nullptr && settings->byRank;
+}
+
+std::unique_ptr<Observer> ParticleExportKind::create(const OutputPaths& paths, Communicator& ranks) const {
+  return std::make_unique<ParticleExport>(paths.at(kOptionName), ranks);
 }
 
 }  // namespace weir

@@ -1,5 +1,5 @@
 // --export FILE.vtkhdf: writes the particles of all fluids, and of all other nodes with Particles, of a
-// scene, frame by frame, to one file.
+// scene, frame by frame, to one file, or to one for each rank that stand as one (export_of_ranks.h).
 //
 // Its PointData holds every attribute of the particles: velocity, density, id, and what modules and plugins
 // add. If the scene has several fluids, it holds those of all of them, NaN or -1 where a fluid has none, and
@@ -9,6 +9,7 @@
 // ignore, keeps the version of Weir, the scene's text, the names of the fluids, and how the run went.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -17,9 +18,11 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/particles/owned_particles.h"
 #include "framework/particles/particles.h"
-#include "framework/run/output_kind.h"
+#include "framework/run/output_by_ranks.h"
 #include "plugins/vtkhdf/export_file.h"
+#include "plugins/vtkhdf/export_of_ranks.h"
 #include "plugins/vtkhdf/export_settings.h"
 
 namespace weir {
@@ -32,6 +35,8 @@ inline constexpr const char* kFluidIndexName = "fluid_index";
 class ParticleExport final : public Observer {
  public:
   explicit ParticleExport(std::filesystem::path file);
+  /// Every rank makes one, for the particles that it owns.
+  ParticleExport(std::filesystem::path file, Communicator& ranks);
   ~ParticleExport() override;
 
   std::string name() const override { return "export"; }
@@ -49,7 +54,8 @@ class ParticleExport final : public Observer {
   struct Source {
     std::string name;  ///< the node's
     const Output<Particles>* output;
-    ParticleSet& particles() const { return (*output)->set(); }
+    OwnedParticles* owned;  ///< null where the node has all that are wanted
+    ParticleSet& particles() const { return owned != nullptr ? owned->owned() : (*output)->set(); }
   };
   class Frame;
 
@@ -68,22 +74,32 @@ class ParticleExport final : public Observer {
   void warnOfNewAttributes(const Simulation& simulation) const;
   void warnOfMissing(const Simulation& simulation, const std::string& attribute, const std::string& fluid,
                      const std::string& reason) const;
+  VtkHdfLayout layout() const;
+  ExportTexts texts() const;
   void openFile();
+  void prepareRanks();
+  void endOnRanks(Simulation& simulation, RunEnd how);
+  /// How many particles of a source this rank writes. What ranks do not share is written by the first one.
+  std::int64_t countOf(const Source& source) const;
 
   /// The scene's, or null where the plugin's section is not known.
   const ExportSettings* settings_ = nullptr;
   const ExportSettings defaults_;
-  ExportFile file_;
+  std::optional<ExportOfRanks> ranks_;
+  ExportFile file_;  // the named one, or this rank's
+  std::atomic<std::int64_t> written_ = 0;
   std::vector<Source> sources_;
   std::vector<AttributeInfo> columns_;  // but the position; chosen before the first frame is written
   bool chosen_ = false;
   std::optional<std::vector<std::string>> earlierAttributes_;  // of the file, where a run is resumed
 };
 
-class ParticleExportKind final : public OutputKind {
+class ParticleExportKind final : public OutputKind, public OutputByRanks {
  public:
   std::vector<OutputOption> options() const override;
   std::unique_ptr<Observer> create(const OutputPaths& paths) const override;
+  bool isAsked(const Scene& scene) const override;
+  std::unique_ptr<Observer> create(const OutputPaths& paths, Communicator& ranks) const override;
 };
 
 }  // namespace weir

@@ -22,20 +22,6 @@ using hdf5::NumberType;
 constexpr std::int64_t kParticleChunk = 1 << 14;
 constexpr std::int64_t kStepChunk = 1 << 8;
 
-NumberType numberType(VtkHdfType type) {
-  switch (type) {
-    case VtkHdfType::kFloat32:
-      return NumberType::kFloat32;
-    case VtkHdfType::kInt32:
-      return NumberType::kInt32;
-    case VtkHdfType::kInt64:
-      return NumberType::kInt64;
-    case VtkHdfType::kUint32:
-      return NumberType::kUint32;
-  }
-  return NumberType::kFloat32;
-}
-
 Growing perStep(NumberType type = NumberType::kInt64, int columns = 1) {
   return {.type = type, .columns = columns, .chunkRows = kStepChunk};
 }
@@ -105,9 +91,8 @@ void writeHeader(hdf5::Group& root) {
 
 hdf5::Group makeRoot(hdf5::File& file) {
   hdf5::Group top = file.root();
-  const bool isNew = !top.has("VTKHDF");
   hdf5::Group root = top.openGroup("VTKHDF");
-  if (isNew) writeHeader(root);
+  if (!root.hasAttribute("Type")) writeHeader(root);
   return root;
 }
 
@@ -183,14 +168,17 @@ void PolyDataFile::Cells::truncate(std::int64_t parts, std::int64_t ids, std::in
 }
 
 void PolyDataFile::Cells::appendNone() {
-  cellCounts.append(std::int64_t{0});
-  connectivityCounts.append(std::int64_t{0});
+  appendCounts(0, 0);
   offsets.append(std::int64_t{0});
 }
 
+void PolyDataFile::Cells::appendCounts(std::int64_t cells, std::int64_t ids) {
+  cellCounts.append(cells);
+  connectivityCounts.append(ids);
+}
+
 void PolyDataFile::Cells::appendPoints(std::int64_t count) {
-  cellCounts.append(count);
-  connectivityCounts.append(count);
+  appendCounts(count, count);
   // All parts share one row of ids, as long as the largest needs.
   appendAscending(connectivity, connectivity.rows(), count);
   appendAscending(offsets, 0, count + 1);
@@ -198,8 +186,7 @@ void PolyDataFile::Cells::appendPoints(std::int64_t count) {
 
 void PolyDataFile::Cells::appendTriangles(std::span<const Vec3i> triangles) {
   const auto count = static_cast<std::int64_t>(triangles.size());
-  cellCounts.append(count);
-  connectivityCounts.append(3 * count);
+  appendCounts(count, 3 * count);
   appendAscending(offsets, 0, count + 1, 3);
   std::vector<std::int64_t> block;
   for (std::size_t first = 0; first < triangles.size(); first += kParticleChunk) {
@@ -290,52 +277,96 @@ PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout) : t
   });
 }
 
+PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, const VirtualSteps& from,
+                           const ExportTexts& texts)
+    : virtual_(true) {
+  checkLayout(layout);
+  WEIR_CHECK(!layout.triangles);
+  const fs::path real = target(file), draft = draftOf(real);
+  replaceBy(real, draft, [&] {
+    file_ = std::make_unique<hdf5::File>(hdf5::File::create(draft, file.string()));
+    makeVirtualSets(*file_, layout, from);
+    contents_ = std::make_unique<Contents>(*file_, layout);
+    for (const VirtualStep& step : from.steps)
+      appendStep({.time = step.time, .fields = step.fields, .points = step.points(), .triangles = {}});
+    contents_->steps.group.setAttribute("NSteps", frames_);
+    for (const auto& [name, text] : texts) contents_->simulation.writeText(name, text);
+    file_->sync();
+  });
+}
+
+void PolyDataFile::writeVirtual(const fs::path& file, const VtkHdfLayout& layout, const VirtualSteps& from,
+                                const ExportTexts& texts) {
+  PolyDataFile(file, layout, from, texts).close();
+}
+
+void PolyDataFile::writeCounting(const fs::path& file, std::int64_t end) {
+  PolyDataFile made;
+  const fs::path draft = draftOf(file);
+  made.replaceBy(file, draft, [&] {
+    made.file_ = std::make_unique<hdf5::File>(hdf5::File::create(draft, file.string()));
+    makeCountingSet(*made.file_, end);
+    made.file_->sync();
+  });
+  made.close();
+}
+
 void PolyDataFile::write(const VtkHdfFrame& frame) {
-  const auto count = static_cast<std::int64_t>(frame.positions.size());
+  appendValues(frame);
+  appendStep({.time = frame.time,
+              .fields = frame.fields,
+              .points = static_cast<std::int64_t>(frame.positions.size()),
+              .triangles = frame.triangles});
+  // The step counts only once all that belongs to it is on its way to the disk.
+  file_->flush();
+  contents_->steps.group.setAttribute("NSteps", frames_);
+  file_->flush();
+}
+
+void PolyDataFile::appendValues(const VtkHdfFrame& frame) {
   Contents& to = *contents_;
   WEIR_CHECK(frame.attributes.size() == to.attributes.size());
-  WEIR_CHECK(frame.fields.size() == to.fields.size());
-
   to.points.append(std::get<std::span<const float>>(flat(frame.positions)));
-  for (std::size_t i = 0; i < to.attributes.size(); ++i) {
+  for (std::size_t i = 0; i < to.attributes.size(); ++i)
     std::visit([&](const auto& values) { to.attributes[i].values.append(values); }, frame.attributes[i]);
-    to.attributes[i].offsets.append(points_);
-  }
+}
+
+void PolyDataFile::appendStep(const Step& step) {
+  Contents& to = *contents_;
+  WEIR_CHECK(step.fields.size() == to.fields.size());
+  for (Column& column : to.attributes) column.offsets.append(points_);
   for (std::size_t i = 0; i < to.fields.size(); ++i) {
     constexpr std::int64_t kOneNumber[] = {1, 1};
-    to.fields[i].values.append(frame.fields[i]);
+    to.fields[i].values.append(step.fields[i]);
     to.fields[i].offsets.append(frames_);
     to.fields[i].sizes.append(std::span<const std::int64_t>(kOneNumber));
   }
-  if (triangles_ || count != partPoints_) addPart(frame);
+  if (triangles_ || step.points != partPoints_) addPart(step);
 
   // Of vertices, lines, polygons and strips.
   const std::int64_t first = cells_ - partCells_;
   const std::int64_t cellOffsets[] = {triangles_ ? 0 : first, 0, triangles_ ? first : 0, 0};
   const std::int64_t idOffsets[] = {0, 0, triangles_ ? 3 * first : 0, 0};
-  to.steps.values.append(frame.time);
+  to.steps.values.append(step.time);
   to.steps.partOffsets.append(parts_ - 1);
   to.steps.partCounts.append(std::int64_t{1});
   to.steps.pointOffsets.append(points_);
   to.steps.cellOffsets.append(std::span<const std::int64_t>(cellOffsets));
   to.steps.connectivityOffsets.append(std::span<const std::int64_t>(idOffsets));
-
-  // The step counts only once all that belongs to it is on its way to the disk.
-  file_->flush();
-  points_ += count;
+  points_ += step.points;
   ++frames_;
-  to.steps.group.setAttribute("NSteps", frames_);
-  file_->flush();
 }
 
-void PolyDataFile::addPart(const VtkHdfFrame& frame) {
-  partPoints_ = static_cast<std::int64_t>(frame.positions.size());
-  partCells_ = triangles_ ? static_cast<std::int64_t>(frame.triangles.size()) : partPoints_;
+void PolyDataFile::addPart(const Step& step) {
+  partPoints_ = step.points;
+  partCells_ = triangles_ ? static_cast<std::int64_t>(step.triangles.size()) : partPoints_;
   contents_->pointCounts.append(partPoints_);
   for (Cells* kind : {&contents_->vertices, &contents_->lines, &contents_->polygons, &contents_->strips})
     if (kind != &cells()) kind->appendNone();
   if (triangles_)
-    cells().appendTriangles(frame.triangles);
+    cells().appendTriangles(step.triangles);
+  else if (virtual_)
+    cells().appendCounts(partPoints_, partPoints_);
   else
     cells().appendPoints(partPoints_);
   ++parts_;

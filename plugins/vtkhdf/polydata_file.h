@@ -11,10 +11,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "plugins/vtkhdf/hdf5.h"
+#include "plugins/vtkhdf/virtual_steps.h"
 #include "plugins/vtkhdf/vtkhdf_layout.h"
 
 namespace weir {
@@ -30,6 +32,13 @@ class PolyDataFile {
   /// It is changed beside the file, which it replaces once it is whole. Throws an io Error if there are
   /// fewer.
   PolyDataFile(const std::filesystem::path& file, const VtkHdfLayout& layout, std::int64_t steps);
+  /// Makes a whole file of particles that stand in other files, and brings it to the disk. What stands at the
+  /// path stays until then, and after an io Error.
+  static void writeVirtual(const std::filesystem::path& file, const VtkHdfLayout& layout,
+                           const VirtualSteps& from, const ExportTexts& texts);
+  /// Makes the file that such a file names in VirtualSteps::counting, with the numbers below `end`, in the
+  /// same way.
+  static void writeCounting(const std::filesystem::path& file, std::int64_t end);
 
   /// Adds one step and hands it to the operating system. After an io Error only abandon() may be called.
   void write(const VtkHdfFrame& frame);
@@ -43,6 +52,10 @@ class PolyDataFile {
   void abandon();
 
  private:
+  PolyDataFile() = default;
+  PolyDataFile(const std::filesystem::path& file, const VtkHdfLayout& layout, const VirtualSteps& from,
+               const ExportTexts& texts);
+
   /// The four data sets by which PolyData lists cells of one kind.
   struct Cells {
     Cells(hdf5::Group& root, const std::string& kind, std::int64_t chunkRows);
@@ -52,6 +65,8 @@ class PolyDataFile {
     // Each adds a part: without cells, with one cell for each of that many points, or with triangles.
     void appendNone();
     void appendPoints(std::int64_t count);
+    /// The same where the numbers of points are there.
+    void appendCounts(std::int64_t cells, std::int64_t ids);
     void appendTriangles(std::span<const Vec3i> triangles);
     hdf5::Dataset cellCounts, connectivityCounts, connectivity, offsets;
   };
@@ -80,18 +95,29 @@ class PolyDataFile {
     std::vector<Field> fields;
   };
 
+  /// All of a step but values of points and triangles.
+  struct Step {
+    double time;
+    std::span<const double> fields;
+    std::int64_t points;
+    std::span<const Vec3i> triangles;
+  };
+
   void truncate(std::int64_t steps);
+  void appendValues(const VtkHdfFrame& frame);
+  void appendStep(const Step& step);
   /// Lets `fill` make the file at `draft`, then puts it in its place; at an error nothing is left of it.
   template <class F>
   void replaceBy(const std::filesystem::path& real, const std::filesystem::path& draft, const F& fill);
   /// The cells that steps have: vertices for particles, polygons for triangles.
   Cells& cells() { return triangles_ ? contents_->polygons : contents_->vertices; }
   /// Adds a part with the cells of a step; of particles it serves also the steps that follow with as many.
-  void addPart(const VtkHdfFrame& frame);
+  void addPart(const Step& step);
 
   std::unique_ptr<hdf5::File> file_;
   std::unique_ptr<Contents> contents_;
-  bool triangles_;
+  bool triangles_ = false;
+  bool virtual_ = false;
   std::int64_t frames_ = 0, points_ = 0;
   std::int64_t parts_ = 0, cells_ = 0;  // of all parts
   std::int64_t partPoints_ = -1;        // points of the last part; -1: there is none

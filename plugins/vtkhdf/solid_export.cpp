@@ -90,7 +90,7 @@ void SolidExport::openFile() {
                       {.name = kSolidIndexName, .type = VtkHdfType::kInt32, .unit = {}}},
        .fields = {"solids"},
        .triangles = true},
-      "solids", names);
+      file_.texts("solids", names));
 }
 
 void SolidExport::end(Simulation&, RunEnd) {

@@ -103,7 +103,7 @@ void SurfaceExport::openFile() {
     layout.attributes.push_back({.name = kSurfaceIndexName, .type = VtkHdfType::kInt32, .unit = {}});
   std::vector<std::string> names;
   for (const Source& source : sources_) names.push_back(source.node);
-  file_.open(std::move(layout), "surfaces", names);
+  file_.open(std::move(layout), file_.texts("surfaces", names));
 }
 
 void SurfaceExport::end(Simulation&, RunEnd) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct VtkHdfLayout {
   bool triangles = false;           ///< the points are vertices of triangles, and no cells of their own
   bool roundPositions = false;      ///< they are round numbers, which compress well
 };
+
+/// What stands in the group /simulation of an export, by name.
+using ExportTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// Values of one attribute, particle by particle: particles × components numbers.
 using VtkHdfValues = std::variant<std::span<const float>, std::span<const std::int32_t>,

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 
 #include "framework/base/check.h"
 #include "framework/base/text.h"
+#include "plugins/vtkhdf/files_elsewhere.h"
 #include "plugins/vtkhdf/hdf5.h"
 
 namespace weir {
@@ -111,6 +113,7 @@ struct VtkHdfReader::Open {
   explicit Open(const fs::path& path);
   ~Open() {
     const hdf5::Session session;
+    kept.clear();
     steps.reset();
     root.reset();
     file.reset();
@@ -124,6 +127,7 @@ struct VtkHdfReader::Open {
   std::optional<hdf5::File> file;
   std::optional<Group> root, steps;
   std::vector<double> times;
+  std::vector<std::string> otherFiles;
 
  private:
   struct Parts {
@@ -135,11 +139,16 @@ struct VtkHdfReader::Open {
   /// How many polygons each part has.
   std::vector<std::int64_t> polygonsOf(const Parts& parts) const;
   void readTimes();
+  void checkOtherFiles(const fs::path& path, const Group& top);
+  /// Stays open, as opening one that stands in other files takes as long as it has steps.
+  const Dataset& keptOpen(const Group& group, const std::string& name) const;
+
+  mutable std::map<std::string, Dataset> kept;
 };
 
 VtkHdfReader::Open::Open(const fs::path& path) {
   checkIsFile(path);
-  fileSize = static_cast<double>(fs::file_size(path));
+  fileSize = bytesOfSet(path);
   file.emplace(hdf5::File::open(path));
   const Group top = file->root();
   constexpr const char* kAllowed = "VTKHDF with a PolyData or an UnstructuredGrid";
@@ -152,7 +161,26 @@ VtkHdfReader::Open::Open(const fs::path& path) {
     throw root->error("is of type " + inQuotes(type), kAllowed);
   if (root->hasAttribute("Version") && root->intAttribute("Version").front() > 2)
     throw root->error("has version " + std::to_string(root->intAttribute("Version").front()), "1 or 2");
+  checkOtherFiles(path, top);
   readTimes();
+}
+
+void VtkHdfReader::Open::checkOtherFiles(const fs::path& path, const Group& top) {
+  const bool own = top.isGroup("simulation") && top.group("simulation").isDataset("scene");
+  const auto files =
+      filesElsewhere(*root, path, own ? top.group("simulation").readText("scene") : std::string());
+  try {
+    checkWhole(files);
+  } catch (Error& e) {
+    throw e.at({.file = path.string()});
+  }
+  for (const FileElsewhere& other : files) otherFiles.push_back(other.name);
+}
+
+const Dataset& VtkHdfReader::Open::keptOpen(const Group& group, const std::string& name) const {
+  const std::string path = group.path() + "/" + name;
+  const auto found = kept.find(path);
+  return found != kept.end() ? found->second : kept.emplace(path, group.dataset(name)).first->second;
 }
 
 void VtkHdfReader::Open::readTimes() {
@@ -255,7 +283,7 @@ std::vector<Vec3i> VtkHdfReader::Open::triangles(std::size_t step) const {
 
 VtkHdfStep VtkHdfReader::Open::read(std::size_t step) const {
   const std::int64_t count = partsOf(step).allPoints;
-  const Dataset points = root->dataset("Points");
+  const Dataset& points = keptOpen(*root, "Points");
   if (points.columns() != 3) throw points.error("has " + std::to_string(points.columns()) + " columns", "3");
   if (points.isInteger()) throw points.error("holds integers", "floating-point numbers");
   if (static_cast<double>(count) > fileSize * hdf5::kStrongestCompression)
@@ -276,7 +304,7 @@ VtkHdfStep VtkHdfReader::Open::read(std::size_t step) const {
   for (const std::string& name : data.members()) {
     if (!data.isDataset(name)) continue;
     const std::int64_t from = offsets ? ofStep(*offsets, name, step, first) : first;
-    result.arrays.push_back(readArray(data.dataset(name), name, from, count));
+    result.arrays.push_back(readArray(keptOpen(data, name), name, from, count));
   }
   return result;
 }
@@ -330,6 +358,10 @@ bool VtkHdfReader::hasText(const std::string& name) const {
   const hdf5::Session session;
   const Group root = open_->file->root();
   return root.isGroup("simulation") && root.group("simulation").isDataset(name);
+}
+
+const std::vector<std::string>& VtkHdfReader::otherFiles() const {
+  return open_->otherFiles;
 }
 
 std::string VtkHdfReader::text(const std::string& name) const {

@@ -31,7 +31,7 @@ struct VtkHdfStep {
 class VtkHdfReader {
  public:
   /// Opens the file and reads its times. Throws an io Error if there is no such file, if it is no HDF5, or
-  /// damaged, or holds no VTKHDF with points.
+  /// damaged, or holds no VTKHDF with points, or if it consists of other files that are not all whole.
   explicit VtkHdfReader(const std::filesystem::path& file);
   ~VtkHdfReader();
 
@@ -51,6 +51,8 @@ class VtkHdfReader {
   /// A text of the file's group /simulation.
   std::string text(const std::string& name) const;
   bool hasText(const std::string& name) const;
+  /// The other files that it consists of, from its folder; none if it is one file.
+  const std::vector<std::string>& otherFiles() const;
 
  private:
   struct Open;

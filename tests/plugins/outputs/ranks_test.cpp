@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "framework/scene/scene_file.h"
+#include "tests/plugins/outputs/meanwhile.h"
 #include "tests/plugins/outputs/ranks_run.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/support/child_process.h"
@@ -362,34 +363,6 @@ TEST_F(RanksTest, ACheckpointWithoutRanksGoesOnAlikeOnAnyNumber) {
   ASSERT_EQ(one.result.code, 0) << one.result.err;
   expectSameEnd(three, one, "from none to 3");
 }
-
-/// Process ids.
-std::vector<int> childrenOf(int pid) {
-  const std::string of = "/proc/" + std::to_string(pid);
-  std::ifstream file(of + "/task/" + std::to_string(pid) + "/children");
-  return {std::istream_iterator<int>(file), {}};
-}
-
-/// Runs `during` again and again on a thread of its own, with the process id of mpirun, until it returns
-/// true.
-class Meanwhile {
- public:
-  explicit Meanwhile(std::function<bool(int launcher)> during)
-      : during_(std::move(during)), thread_([this](const std::stop_token& stop) {
-          while (!stop.stop_requested() && (launcher_ == 0 || !during_(launcher_)))
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }) {}
-  ChildOptions options() {
-    ChildOptions options;
-    options.onStderr = [this](int pid, const std::string&) { launcher_ = pid; };
-    return options;
-  }
-
- private:
-  std::function<bool(int)> during_;
-  std::atomic<int> launcher_ = 0;
-  std::jthread thread_;
-};
 
 TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
