@@ -179,13 +179,13 @@ int RenderCommand::run() {
 
   RunOptions options;
   options.nextFrame = [&](Simulation&) { return replay->next(); };
-  const RunEnd end =
-      runShown(program_, simulation, outputs_->makeObservers(simulation.scene(), nullptr), options, quiet_, [&](const Simulation& s) {
-        ProgressState state = ProgressState::of(s, replay->lastFrame());
-        state.particles = replay->particles();
-        state.endTime = recording->times().back();
-        return state;
-      });
+  const RunEnd end = runShown(program_, simulation, outputs_->makeObservers(simulation.scene(), nullptr),
+                              options, quiet_, [&](const Simulation& s) {
+                                ProgressState state = ProgressState::of(s, replay->lastFrame());
+                                state.particles = replay->particles();
+                                state.endTime = recording->times().back();
+                                return state;
+                              });
   program_.log().info(
       fmt::format("{}{} frames shown in {}", end == RunEnd::kInterrupted ? "interrupted: " : "",
                   groupedText(replay->shown()), durationText(simulation.secondsSinceReset())));

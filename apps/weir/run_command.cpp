@@ -206,7 +206,7 @@ std::vector<OutputLock> RunCommand::takeOutputPaths() const {
 }
 
 std::vector<std::unique_ptr<Observer>> RunCommand::makeObservers(const Scene& scene,
-                                                                Communicator* ranks) const {
+                                                                 Communicator* ranks) const {
   std::vector<std::unique_ptr<Observer>> observers = outputs_->makeObservers(scene, ranks);
   if (ranks != nullptr && ranks->rank() > 0) return observers;
   if (!series_.empty()) observers.push_back(std::make_unique<SeriesOutput>(series_));

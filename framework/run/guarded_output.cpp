@@ -93,8 +93,7 @@ bool isByRanks(const OutputKind& kind, const std::string& name, const std::strin
                const Scene& scene) {
   const auto* const byRanks = dynamic_cast<const OutputByRanks*>(&kind);
   bool asked = false;
-  if (byRanks != nullptr)
-    outputPart(name, source).call("isAsked", [&] { asked = byRanks->isAsked(scene); });
+  if (byRanks != nullptr) outputPart(name, source).call("isAsked", [&] { asked = byRanks->isAsked(scene); });
   return asked;
 }
 

@@ -66,11 +66,12 @@ Dataset datasetAt(const Group& group, const std::string& path) {
 }
 
 std::string problemOf(const fs::path& path, const std::map<std::string, std::int64_t>& needed,
-                      const std::string& scene) {
+                      const std::optional<std::string>& run) {
   try {
     const hdf5::File file = hdf5::File::open(path);
     const Group top = file.root();
-    if (textOf(top, "rank") && textOf(top, "scene") != scene) return "is of another run";
+    const std::optional<std::string> other = textOf(top, kRunText);
+    if (run && other && run != other) return "is of another run";
     for (const auto& [name, rows] : needed)
       if (datasetAt(top, name).rows() < rows) return "ends before its last frame";
   } catch (const Error& e) {
@@ -81,16 +82,17 @@ std::string problemOf(const fs::path& path, const std::map<std::string, std::int
 
 }  // namespace
 
-std::vector<FileElsewhere> filesElsewhere(const Group& root, const fs::path& file, const std::string& scene) {
+std::vector<FileElsewhere> filesElsewhere(const hdf5::File& whole, const fs::path& file) {
   RowsNeeded needed;
-  addNeeded(root, needed);
+  addNeeded(whole.root(), needed);
+  const std::optional<std::string> run = textOf(whole.root(), kRunText);
   std::vector<FileElsewhere> files;
   for (const auto& [name, rows] : needed) {
     FileElsewhere& found = files.emplace_back(FileElsewhere{.name = name, .problem = {}});
     const std::optional<fs::path> path = leavesFolder(name) ? std::nullopt : pathOf(name, file);
     found.problem = leavesFolder(name) ? "is not below the folder of this file"
                     : !path            ? "is missing"
-                                       : problemOf(*path, rows, scene);
+                                       : problemOf(*path, rows, run);
   }
   return files;
 }

@@ -15,11 +15,10 @@ struct FileElsewhere {
   std::string problem;  ///< "is missing"; empty: it is whole, as far as it is named
 };
 
-/// Those that data sets in `root` take rows from, in the order of their names. HDF5 itself says nothing of
-/// what is not there. A part of an export of ranks that belongs to another run is a problem, too; `scene` is
-/// the text of this one's.
-std::vector<FileElsewhere> filesElsewhere(const hdf5::Group& root, const std::filesystem::path& file,
-                                          const std::string& scene);
+/// Those that data sets of a file take rows from, in the order of their names. HDF5 itself says
+/// nothing of what is not there. A file of another run than this one is a problem, too, where both say of
+/// which they are (kRunText).
+std::vector<FileElsewhere> filesElsewhere(const hdf5::File& whole, const std::filesystem::path& file);
 
 /// Throws an io Error that names all that are not whole.
 void checkWhole(const std::vector<FileElsewhere>& files);

@@ -96,7 +96,8 @@ std::vector<RowsElsewhere> Dataset::elsewhere() const {
     const Handle space =
         checkedHandle(H5Pget_virtual_srcspace(layout.get(), i), H5Sclose, "read the layout of");
     std::array<hsize_t, H5S_MAX_RANK> first{}, last{};
-    if (H5Sget_select_bounds(space.get(), first.data(), last.data()) < 0) throw error("has no rows elsewhere");
+    if (H5Sget_select_bounds(space.get(), first.data(), last.data()) < 0)
+      throw error("has no rows elsewhere");
     if (last[0] >= static_cast<hsize_t>(kMaxRows)) throw error("claims rows that no file has");
     rows.push_back({.file = withNumbers(nameFrom(layout, i, H5Pget_virtual_filename)),
                     .dataset = nameFrom(layout, i, H5Pget_virtual_dsetname),

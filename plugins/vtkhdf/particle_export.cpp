@@ -10,11 +10,15 @@
 #include <utility>
 #include <variant>
 
+#include "framework/base/build_info.h"
+#include "framework/base/digest.h"
 #include "framework/base/text.h"
 #include "framework/compute/host_copy.h"
 #include "framework/graph/outputs_of.h"
+#include "framework/run/checkpoint.h"
 #include "framework/run/statistics.h"
 #include "framework/scene/scene_file.h"
+#include "plugins/vtkhdf/rank_files.h"
 
 namespace weir {
 
@@ -92,6 +96,11 @@ void startColumn(const ParticleSet& particles, const AttributeInfo& info, std::i
   });
 }
 
+std::string textOfRun(const Scene& scene, int ranks) {
+  return fmt::format("{:08x}",
+                     Digest().addText(version()).addText(checkpointScene(scene)).addNumber(ranks).value());
+}
+
 /// What some ranks have written cannot be gone on with by others.
 void checkRanks(const StateReader& saved, int present, const std::filesystem::path& file) {
   const int before = ExportOfRanks::savedRanks(saved);
@@ -99,10 +108,10 @@ void checkRanks(const StateReader& saved, int present, const std::filesystem::pa
   const auto what = [](int files) {
     return files == 1 ? std::string("one file") : fmt::format("a file of each of {} ranks", files);
   };
-  throw ioError(fmt::format("the export was written as {}, and would go on as {}", what(before),
-                            what(present)),
-                before == 1 ? std::string("export.by_rank=false") : fmt::format("{} ranks", before),
-                "or export to another file")
+  throw ioError(
+      fmt::format("the export was written as {}, and would go on as {}", what(before), what(present)),
+      before == 1 ? std::string("export.by_rank=false") : fmt::format("{} ranks", before),
+      "or go on without --export")
       .at({.file = file.string()});
 }
 
@@ -187,6 +196,7 @@ ParticleExport::~ParticleExport() = default;
 void ParticleExport::begin(Simulation& simulation) {
   findSources(simulation);
   if (ranks_) ranks_->begin();
+  if (ranks_) runText_ = textOfRun(simulation.scene(), ranks_->ranks());
   file_.begin(simulation);
   const auto section = simulation.scene().sections.find("export");
   if (section != simulation.scene().sections.end())
@@ -358,6 +368,7 @@ ExportTexts ParticleExport::texts() const {
   ExportTexts texts = file_.texts("fluids", names);
   if (const float grid = settings().grid(); grid > 0)
     texts.emplace_back("position_error", fmt::format("{:.9g}", 0.5f * grid));
+  if (ranks_) texts.emplace_back(kRunText, runText_);
   return texts;
 }
 

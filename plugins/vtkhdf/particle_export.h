@@ -86,7 +86,8 @@ class ParticleExport final : public Observer {
   const ExportSettings* settings_ = nullptr;
   const ExportSettings defaults_;
   std::optional<ExportOfRanks> ranks_;
-  ExportFile file_;  // the named one, or this rank's
+  ExportFile file_;      // the named one, or this rank's
+  std::string runText_;  // of the files of ranks, see kRunText
   std::atomic<std::int64_t> written_ = 0;
   std::vector<Source> sources_;
   std::vector<AttributeInfo> columns_;  // but the position; chosen before the first frame is written

@@ -15,6 +15,9 @@ inline std::string fileOfRank(int rank) {
   return "rank_" + std::to_string(rank) + ".vtkhdf";
 }
 
+/// A text in all files of an export: a digest of what it is of.
+inline constexpr const char* kRunText = "run";
+
 /// Of the numbers that cells consist of.
 inline constexpr const char* kCountingFile = "cells.h5";
 

@@ -139,7 +139,7 @@ struct VtkHdfReader::Open {
   /// How many polygons each part has.
   std::vector<std::int64_t> polygonsOf(const Parts& parts) const;
   void readTimes();
-  void checkOtherFiles(const fs::path& path, const Group& top);
+  void checkOtherFiles(const fs::path& path);
   /// Stays open, as opening one that stands in other files takes as long as it has steps.
   const Dataset& keptOpen(const Group& group, const std::string& name) const;
 
@@ -161,14 +161,12 @@ VtkHdfReader::Open::Open(const fs::path& path) {
     throw root->error("is of type " + inQuotes(type), kAllowed);
   if (root->hasAttribute("Version") && root->intAttribute("Version").front() > 2)
     throw root->error("has version " + std::to_string(root->intAttribute("Version").front()), "1 or 2");
-  checkOtherFiles(path, top);
+  checkOtherFiles(path);
   readTimes();
 }
 
-void VtkHdfReader::Open::checkOtherFiles(const fs::path& path, const Group& top) {
-  const bool own = top.isGroup("simulation") && top.group("simulation").isDataset("scene");
-  const auto files =
-      filesElsewhere(*root, path, own ? top.group("simulation").readText("scene") : std::string());
+void VtkHdfReader::Open::checkOtherFiles(const fs::path& path) {
+  const std::vector<FileElsewhere> files = filesElsewhere(*file, path);
   try {
     checkWhole(files);
   } catch (Error& e) {
