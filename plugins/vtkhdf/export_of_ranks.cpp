@@ -110,6 +110,11 @@ void ExportOfRanks::keepComplete() {
   if (rank() == 0 && complete_ > inFile_) writeFile(complete_);
 }
 
+void ExportOfRanks::removeEmptyFolder() const {
+  std::error_code ignored;
+  if (rank() == 0) fs::remove(folder(), ignored);  // which does not remove what is in it
+}
+
 void ExportOfRanks::setText(const std::string& name, const std::string& text) {
   texts_.emplace_back(name, text);
 }

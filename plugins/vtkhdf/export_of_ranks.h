@@ -26,6 +26,7 @@ class ExportOfRanks {
  public:
   ExportOfRanks(std::filesystem::path file, Communicator& ranks) : file_(std::move(file)), ranks_(ranks) {}
 
+  const std::filesystem::path& file() const { return file_; }
   int rank() const { return ranks_.rank(); }
   int ranks() const { return ranks_.size(); }
   /// The file that this rank writes.
@@ -49,6 +50,8 @@ class ExportOfRanks {
   void add(const VtkHdfFrame& own, const FrameOfRanks& frame);
   /// The named file has the frames that are known to be complete. For a run that fails.
   void keepComplete();
+  /// Nothing was written.
+  void removeEmptyFolder() const;
   void setText(const std::string& name, const std::string& text);
 
   /// How many ranks wrote the frames of a saved export; 1 for one file of any number.

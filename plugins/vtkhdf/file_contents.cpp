@@ -102,7 +102,7 @@ std::string commaList(std::string lines) {
   return lines;
 }
 
-/// "3: run_ranks/cells.h5, run_ranks/rank_0.vtkhdf, run_ranks/rank_1.vtkhdf"
+/// "3: run_ranks/cells.hdf5, run_ranks/rank_0.vtkhdf, run_ranks/rank_1.vtkhdf"
 std::string otherFilesText(std::vector<std::string> names) {
   if (names.empty()) return {};
   constexpr std::size_t kMax = 8;

@@ -219,7 +219,9 @@ void ParticleExport::save(const StateWriter& to) {
 }
 
 void ParticleExport::resume(Simulation& simulation, const StateReader& from) {
-  checkRanks(from, ranks_ ? ranks_->ranks() : 1, file_.path());
+  // All would say the same.
+  if (!ranks_) checkRanks(from, 1, file_.path());
+  if (ranks_ && ranks_->rank() == 0) checkRanks(from, ranks_->ranks(), ranks_->file());
   begin(simulation);
   file_.resume(from);
   if (ranks_) ranks_->resume(from);
@@ -388,7 +390,7 @@ void ParticleExport::end(Simulation& simulation, RunEnd how) {
 
 void ParticleExport::endOnRanks(Simulation& simulation, RunEnd how) {
   file_.close();
-  if (!file_.isOpen()) return;
+  if (!file_.isOpen()) return ranks_->removeEmptyFolder();
   if (how == RunEnd::kFailed) return ranks_->keepComplete();
   if (ranks_->rank() == 0) ranks_->setText("statistics", writeJson(runStatistics(simulation, how)));
   ranks_->complete();

@@ -19,6 +19,6 @@ inline std::string fileOfRank(int rank) {
 inline constexpr const char* kRunText = "run";
 
 /// Of the numbers that cells consist of.
-inline constexpr const char* kCountingFile = "cells.h5";
+inline constexpr const char* kCountingFile = "cells.hdf5";
 
 }  // namespace weir

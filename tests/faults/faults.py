@@ -35,6 +35,8 @@ DATA = ["--export", "run.vtkhdf", "--export-surface", "skin.vtkhdf", "--ply-part
         "--ply", "ply", "--obj", "obj", "--checkpoint", "run.h5", "--checkpoint-every", "6",
         "--stats", "run.json", "--series", "run.jsonl"]
 PICTURES = ["--images", "images", "--checkpoint", "run.h5", "--checkpoint-every", "12"]
+RANKS = ["--ranks", "2", "--set", "export.by_rank=true", "--export", "run.vtkhdf", "--checkpoint", "run.h5",
+         "--checkpoint-every", "6"]
 VIDEO = ["--video", "run.mp4", "--checkpoint", "run.h5", "--checkpoint-every", "12"]
 
 Scenario = collections.namedtuple("Scenario", "name outputs call error program")
@@ -52,6 +54,10 @@ SCENARIOS = [
     Scenario("memory",         DATA,     "malloc", "ENOMEM",  "weir"),
     Scenario("memory-hdf5",    DATA,     "malloc-hdf5", "ENOMEM", "weir"),
     Scenario("memory-load",    DATA,     "malloc-load", "ENOMEM", "weir"),
+    Scenario("ranks-open",     RANKS,    "open",   "EIO",     "weir"),
+    Scenario("ranks-write",    RANKS,    "write",  "ENOSPC",  "weir"),
+    Scenario("ranks-fsync",    RANKS,    "fsync",  "EIO",     "weir"),
+    Scenario("ranks-rename",   RANKS,    "rename", "EIO",     "weir"),
     Scenario("images-open",    PICTURES, "open",   "EMFILE",  "weir"),
     Scenario("images-write",   PICTURES, "write",  "ENOSPC",  "weir"),
     Scenario("images-short",   PICTURES, "write",  "short",   "weir"),
@@ -95,7 +101,7 @@ class Faults:
         self.device, self.references = device, {}
 
     def arguments(self, scenario, folder):
-        outputs = [word if word.startswith("--") or word.isdigit() else os.path.join(folder, word)
+        outputs = [word if word.startswith("--") or word.isdigit() or "=" in word else os.path.join(folder, word)
                    for word in scenario.outputs]
         return [self.weir, "run", SCENE, "--quiet", "--device", self.device, "--threads", "1"] + outputs
 

@@ -156,7 +156,7 @@ TEST_F(ExportByRanks, InfoSaysOfWhichFilesItConsists) {
   EXPECT_EQ(all.code, 0) << all.err;
   for (const char* text :
        {"an export of particles, whole", "frames: 5", "run: has ended",
-        "other files: 3: run_ranks/cells.h5, run_ranks/rank_0.vtkhdf, run_ranks/rank_1.vtkhdf"})
+        "other files: 3: run_ranks/cells.hdf5, run_ranks/rank_0.vtkhdf, run_ranks/rank_1.vtkhdf"})
     EXPECT_CONTAINS(all.out, text);
   EXPECT_EQ(alone.code, 0) << alone.err;
   EXPECT_CONTAINS(alone.out, "of rank: 1");
@@ -167,7 +167,7 @@ TEST_F(ExportByRanks, AMissingFileIsNamed) {
   fs::remove(part(file, "rank_1.vtkhdf"));
   expectBroken(file, "of the 3 other files that this one consists of, run_ranks/rank_1.vtkhdf is missing");
   fs::remove_all(fs::path(file).parent_path() / "run_ranks");
-  expectBroken(file, "run_ranks/cells.h5 is missing, run_ranks/rank_0.vtkhdf is missing");
+  expectBroken(file, "run_ranks/cells.hdf5 is missing, run_ranks/rank_0.vtkhdf is missing");
 }
 
 TEST_F(ExportByRanks, ADamagedFileIsNamed) {
