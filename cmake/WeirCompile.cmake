@@ -12,8 +12,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   set(WEIR_FORTIFY_LEVEL 2)
 endif()
 
-# Of no use with a compiler cache, which finds less in it: each target has its own.
-option(WEIR_PRECOMPILED_HEADERS "Compile headers of the standard library once for each target" OFF)
+# Of no use with a compiler cache, which finds less in it.
+option(WEIR_PRECOMPILED_HEADERS "Compile headers of the standard library once, and once for each instruction set" OFF)
+set(WEIR_STANDARD_HEADERS ${CMAKE_CURRENT_LIST_DIR}/standard_headers.h)
 
 # Flags, include root and sanitizers of one target.
 function(weir_configure_target target)
@@ -107,6 +108,19 @@ function(weir_harden target)
   target_link_options(${target} PRIVATE -Wl,-z,relro -Wl,-z,now)
 endfunction()
 
+# A target that compiles the standard headers, with further options of the compiler: what is compiled with the same may
+# use them.
+function(weir_precompile_standard_headers target)
+  if(TARGET ${target})
+    return()
+  endif()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${target}.cpp CONTENT "")
+  add_library(${target} OBJECT ${PROJECT_BINARY_DIR}/${target}.cpp)
+  weir_configure_target(${target})
+  target_compile_options(${target} PRIVATE ${ARGN})
+  target_precompile_headers(${target} PRIVATE ${WEIR_STANDARD_HEADERS})
+endfunction()
+
 # Adds the sources below `directory` to the target, by what their names say:
 #   *.dual.cpp   compiled by the host compiler for the CPU, for each of its instruction sets (see WeirCpuIsas),
 #                and again by nvcc for CUDA
@@ -127,18 +141,27 @@ function(weir_add_source_files target)
   set(cuda_sources ${ARGN})
   list(FILTER cuda_sources INCLUDE REGEX "\\.cu$")
   target_sources(${target} PRIVATE ${host_sources})
-  list(LENGTH host_sources count)
-  if(WEIR_PRECOMPILED_HEADERS AND count GREATER 10)  # each takes as long as it saves in five sources
-    target_precompile_headers(
-      ${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_CURRENT_FUNCTION_LIST_DIR}/standard_headers.h>")
+  get_target_property(type ${target} TYPE)
+  if(WEIR_PRECOMPILED_HEADERS AND NOT type STREQUAL "EXECUTABLE")  # programs are compiled as -fPIE
+    weir_precompile_standard_headers(weir_standard_headers)
+    target_precompile_headers(${target} REUSE_FROM weir_standard_headers)
   endif()
   foreach(isa ${WEIR_CPU_ISAS})
+    set(options ${WEIR_CPU_ISA_OPTIONS_${isa}})
+    if(WEIR_PRECOMPILED_HEADERS AND dual_sources)
+      weir_precompile_standard_headers(weir_standard_headers_${isa} ${options})
+      get_target_property(headers weir_standard_headers_${isa} BINARY_DIR)
+      string(APPEND headers /CMakeFiles/weir_standard_headers_${isa}.dir/cmake_pch.hxx)
+      list(APPEND options -include ${headers})
+    endif()
     foreach(source ${dual_sources})
       file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${source})
       set(wrapper ${PROJECT_BINARY_DIR}/isa/${isa}/${relative})
       file(CONFIGURE OUTPUT ${wrapper} CONTENT "#include \"${source}\"\n" @ONLY)
-      set_source_files_properties(${wrapper} PROPERTIES COMPILE_OPTIONS "${WEIR_CPU_ISA_OPTIONS_${isa}}"
-                                                        SKIP_PRECOMPILE_HEADERS ON)
+      set_source_files_properties(${wrapper} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
+      if(WEIR_PRECOMPILED_HEADERS)
+        set_source_files_properties(${wrapper} PROPERTIES OBJECT_DEPENDS ${headers}.gch)
+      endif()
       target_sources(${target} PRIVATE ${wrapper})
     endforeach()
   endforeach()
