@@ -16,6 +16,8 @@ struct Contain {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
+  /// m; gains what each particle is moved by. Empty where nobody asks.
+  ArrayView<Vec3f> held = {};
   /// Where it is not 0, nothing is to be changed any more; may be null. How many passes a solver makes beyond
   /// its last depends on when the host hears of it.
   const int* done = nullptr;
@@ -31,6 +33,7 @@ struct Contain {
     if (!any(moved)) return;
     write(displacement, i, select(moved, q - read(predicted, i), read(displacement, i)));
     write(state, i, {q.x, q.y, q.z, zeroUnless(!moved, before.w)});
+    if (held.size > 0) write(held, i, read(held, i) + (q - p));
   }
 };
 

@@ -53,6 +53,7 @@ struct Push {
   Vec3<T> push;
   T divisor;
   T wall;  // the part wall·∇Φ of the push comes from walls
+  Vec3<T> gradPhi;
 };
 
 template <class Walls>
@@ -87,7 +88,7 @@ struct PushWith {
       return Vec4<T>{b * d.x, b * d.y, b * d.z, a};
     };
     const auto sum = sumOverNeighbors<Vec4f>(list, pairPush, weighted);
-    Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0};
+    Push<NumberAt<Index>> total{-xyz(sum), 1 + (own + others) * negativePart * sum.w, 0, {}};
     if (!walls.empty()) addWalls(i, xyz(s), s.w, total);
     return total;
   }
@@ -98,6 +99,7 @@ struct PushWith {
     const SolidIntegrals<T> wall = walls.push(i, x);
     if (!any(wall.d > T(0))) return;
     total.wall = zeroUnless(wall.d > T(0), -derivative * wallStiffness);
+    total.gradPhi = wall.gradPhi;
     total.push += total.wall * wall.gradPhi;
     total.divisor += negativePart * wallStiffness * wall.d;
   }

@@ -80,6 +80,18 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
                                                .doc = "By pressure and walls, at the last search in a step.",
                                                .internal = true})
                  : Attribute<Vec3f>();
+  held_ = fluid.walls.reports()
+              ? fluid.particles.add<Vec3f>({.name = "held",
+                                            .unit = "m",
+                                            .doc = "The displacement by walls, in the last step.",
+                                            .internal = true})
+              : Attribute<Vec3f>();
+}
+
+ConjugateView AcceleratedSolver::conjugateView() {
+  ConjugateView view = directions_.view();
+  if (followsHeld()) view.held = held_.write();
+  return view;
 }
 
 void AcceleratedSolver::warn(const FluidOutlook& outlook) const {
@@ -154,10 +166,11 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
   double bytes = PressureSolver::memory(room);
-  if (conjugates()) bytes += directions_.memoryFor(n, room.wallShares);
+  if (conjugates()) bytes += directions_.memoryFor(n, room.wallShares, room.boundaryForces);
   if (hasMomentum()) bytes += bytesOfArrays(n, plain_);
   if (hasMomentum() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
   if (controlled() && !conjugates() && !searches()) bytes += bytesOfArrays(n, excess_);
+  if (room.boundaryForces) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   return bytes;
 }

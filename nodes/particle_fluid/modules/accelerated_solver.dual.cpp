@@ -106,6 +106,33 @@ struct MeetWalls {
   }
 };
 
+/// What conjugate gradients divide every push by: the divisor of Eq. 14 within a settled fluid, with an
+/// integral from 3/4 of a spacing on, where its particles have their neighbours, in place of the sum over
+/// these.
+///
+///   1 + |Ḃ⁻|·2·(c·dt)²·∫|W'|/r dV = 1 + |Ḃ⁻|·30·(c·dt/H)²·(4·p³ − 3·p⁴),   p = 1 − 3/4·d/H
+float commonDivisor(const PressureProblem& problem) {
+  constexpr float kNearest = 0.75f;  // spacings
+  const float radius = problem.fluid.constants.supportRadius;
+  const float p = 1 - kNearest * problem.fluid.constants.spacing / radius;
+  return 1 + problem.energy.negativePart() * 30 * problem.stiffness() / (radius * radius) * p * p * p *
+                 (4 - 3 * p);
+}
+
+/// What walls have displaced particles by beside their shares, as a change of velocities.
+struct TellHeld {
+  WallFieldView walls;
+  float inverseDt;
+  ArrayView<const Vec3f> positions, held;
+  ArrayView<Vec3f> before;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const Vec3f all = held[i];
+    if (all == Vec3f{}) return;
+    before[i] -= inverseDt * (all - walls.share[i] * walls.push(i, positions[i]).gradPhi);
+  }
+};
+
 }  // namespace
 
 template <class Backend>
@@ -115,6 +142,7 @@ void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
   PressureProblem problem = problemOf(fluid);
   reserve(fluid);
   fluid.walls.forgetShares();
+  if (followsHeld()) held_.fillZero();
   beginStep(device, fluid);
   problem.start(device);
   contain(device, problem);
@@ -224,7 +252,7 @@ void AcceleratedSolver::settle(Backend& device, const PressureProblem& problem, 
   parallelForEights(device, "density", problem.fluid.particles.count(),
                     detail::Settle{.density = detail::RelativeExcess::of(problem),
                                    .control = control_->data(),
-                                   .of = directions_.view(),
+                                   .of = conjugateView(),
                                    .energy = bulkEnergy_,
                                    .tension = tension,
                                    .first = first,
@@ -239,7 +267,7 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
   const Count count = problem.fluid.particles.count();
   const int* const done = &control_->data()->done;
   directions_.turn();
-  const ConjugateView of = directions_.view();
+  const ConjugateView of = conjugateView();
   const detail::ConjugateProblem conjugate{.control = control_->data(),
                                            .of = of,
                                            .energy = bulkEnergy_,
@@ -255,12 +283,13 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
   controlSeen_->request(control_->data());
   parallelForEights(device, "descend", count,
                     detail::Descend{.pushOf = problem.push(),
+                                    .divisor = commonDivisor(problem),
                                     .of = of,
                                     .control = control_->data(),
                                     .predicted = problem.predicted(),
                                     .displacement = problem.displacement(),
                                     .state = problem.state()});
-  contain(device, problem, of.tried, done);
+  contain(device, problem, of.tried, done, of.heldChange);
   DirectionSums* const sums = directions_.directionSums.data();
   sumOverRanks(device, "measure direction", allOf(problem.fluid), problem.square(),
                detail::MeasureDirection{conjugate}, AddDirectionSums{}, sums);
@@ -301,12 +330,12 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
-  contain(device, problem, problem.displacement(), done);
+  contain(device, problem, problem.displacement(), done, conjugateView().held);
 }
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem,
-                                ArrayView<Vec3f> displacement, const int* done) {
+                                ArrayView<Vec3f> displacement, const int* done, ArrayView<Vec3f> held) {
   if (!controlled()) return;
   if (problem.fluid.walls.boundary.empty()) return;
   parallelForEights(device, "contain", problem.fluid.particles.count(),
@@ -315,6 +344,7 @@ void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem,
                             .predicted = problem.predicted(),
                             .displacement = displacement,
                             .state = problem.state(),
+                            .held = held,
                             .done = done});
 }
 
@@ -325,16 +355,23 @@ void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& proble
   WallField& walls = fluid.walls;
   if (walls.boundary.empty()) return;
   addContactImpulses(device, fluid, [&] {
-    parallelForEights(
-        device, "walls", fluid.particles.count(),
-        MeetWalls{.pushOf = problem.push(),
-                  .boundary = walls.boundary.boundary,
-                  .reach = kTouching * fluid.constants.contact,
-                  .inverseDt = problem.inverseDt(),
-                  .positions = problem.predicted(),
-                  .displacement = problem.displacement(),
-                  .velocities = fluid.particles.velocities().write(),
-                  .before = walls.reports() ? walls.velocitiesBefore.view() : ArrayView<Vec3f>{}});
+    parallelForEights(device, "walls", fluid.particles.count(),
+                      MeetWalls{.pushOf = problem.push(),
+                                .boundary = walls.boundary.boundary,
+                                .reach = kTouching * fluid.constants.contact,
+                                .inverseDt = problem.inverseDt(),
+                                .positions = problem.predicted(),
+                                .displacement = problem.displacement(),
+                                .velocities = fluid.particles.velocities().write(),
+                                .before = walls.reports() && !followsHeld() ? walls.velocitiesBefore.view()
+                                                                            : ArrayView<Vec3f>{}});
+    if (followsHeld())
+      parallelFor(device, "held", fluid.particles.count(),
+                  TellHeld{.walls = walls.view(),
+                           .inverseDt = problem.inverseDt(),
+                           .positions = problem.predicted(),
+                           .held = held_.read(),
+                           .before = walls.velocitiesBefore.view()});
   });
 }
 

@@ -149,7 +149,7 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   /// The same of other displacements, whose positions are the state.
   template <class Backend>
   void contain(Backend& device, const PressureProblem& problem, ArrayView<Vec3f> displacement,
-               const int* done);
+               const int* done, ArrayView<Vec3f> held = {});
   /// What walls do beside holding the fluid.
   template <class Backend>
   void meetWalls(Backend& device, const PressureProblem& problem);
@@ -168,6 +168,10 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   bool accelerated() const { return chosen() != Acceleration::kNone; }
   bool hasMomentum() const { return chosen() == Acceleration::kNesterov; }
   bool conjugates() const { return chosen() == Acceleration::kConjugate; }
+  /// Whether the displacement by walls is followed.
+  bool followsHeld() const { return held_ && conjugates(); }
+  /// With `held` where that is followed.
+  ConjugateView conjugateView();
   /// What `auto` means here.
   Acceleration chosen() const;
   /// Whether long ways to predicted positions are gone in stages. Meshes stop particles on this way by
@@ -183,6 +187,9 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   Array<Vec3f> plain_;
   Array<float> plainShare_;
   ConjugateDirections directions_;
+  // Where boundaries report forces: the displacement by walls, their pressure and what keeps particles out,
+  // m.
+  Attribute<Vec3f> held_;
   Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};
   std::optional<Readback<Control>> controlSeen_;

@@ -13,11 +13,13 @@ void ConjugateDirections::reserve(FluidStep& fluid) {
   }
   fitScratch(fluid, direction_, tried_, gradient_, previous_, excess_, triedExcess_);
   if (fluid.walls.keepsShares()) fitScratch(fluid, share_, shareChange_);
+  if (fluid.walls.reports()) fitScratch(fluid, heldDirection_, heldChange_);
 }
 
-double ConjugateDirections::memoryFor(double particles, bool walls) const {
+double ConjugateDirections::memoryFor(double particles, bool walls, bool forces) const {
   return bytesOfArrays(particles, direction_, tried_, gradient_, previous_, excess_, triedExcess_) +
-         (walls ? bytesOfArrays(particles, share_, shareChange_) : 0);
+         (walls ? bytesOfArrays(particles, share_, shareChange_) : 0) +
+         (forces ? bytesOfArrays(particles, heldDirection_, heldChange_) : 0);
 }
 
 void ConjugateDirections::release() {
@@ -32,7 +34,9 @@ ConjugateView ConjugateDirections::view() {
           .excess = excess_.view(),
           .triedExcess = triedExcess_.view(),
           .share = share_.view(),
-          .shareChange = shareChange_.view()};
+          .shareChange = shareChange_.view(),
+          .heldDirection = heldDirection_.view(),
+          .heldChange = heldChange_.view()};
 }
 
 }  // namespace weir

@@ -1,8 +1,8 @@
 // Conjugate gradients for the problem of AcceleratedSolver (pressure_problem.h), nonlinear and with a
 // preconditioner (E. Polak, G. Ribière 1969; J. Nocedal, S. Wright 2006, chapter 5).
 //
-// With u the displacement, g = u − push the gradient of Σ E, and z = −g/divisor what a plain iteration goes
-// by, kept out of solids, an iteration goes along
+// With u the displacement, g = u − push the gradient of Σ E, and z = −g/divisor, kept out of solids, an
+// iteration goes along
 //
 //   p_k = z_k + β·p_k−1,   β = max(z_k·(g_k−1 − g_k)/(z_k−1·(−g_k−1)), 0)
 //
@@ -11,6 +11,10 @@
 // α·p it is taken from the straight line, too, unless α and α' differ much. So an iteration takes two sums
 // over neighbours, as a plain one does. Plain iterations are short, as each particle moves as if its
 // neighbours did not move along: α is 5 to 20.
+//
+// The divisor is one for all particles (commonDivisor), so what pairs push each other by stays opposite, and
+// momentum is kept however few the iterations are. Each particle's own, that of a plain iteration, takes as
+// many.
 //
 // Where Σ E has risen, the step is taken back, and the next one is along z and shorter. The displacement by
 // walls of meshes is share·∇Φ (wall_field.h), and its share goes along lines of its own.
@@ -58,15 +62,19 @@ struct ConjugateView {
   ArrayView<Vec3f> gradient, previous;   ///< g, and that of the last iteration
   ArrayView<float> excess, triedExcess;  ///< λ − 1 at u and at `tried`
   ArrayView<float> share, shareChange;   ///< of walls, in p and in z
+  // The displacement by walls, as `held` of AcceleratedSolver, and what of it is in p and in z; empty where
+  // no boundary reports forces.
+  ArrayView<Vec3f> held, heldDirection, heldChange;
 };
 
 /// The memory of it.
 class ConjugateDirections {
  public:
-  /// 56 bytes a particle, and 8 more with walls of meshes. Contents are undefined.
+  /// 56 bytes a particle, 8 more with walls of meshes, and 24 more with boundaries that report forces.
+  /// Contents are undefined.
   void reserve(FluidStep& fluid);
   /// Bytes of that.
-  double memoryFor(double particles, bool walls) const;
+  double memoryFor(double particles, bool walls, bool forces) const;
   /// Gives it back.
   void release();
   ConjugateView view();
@@ -79,6 +87,7 @@ class ConjugateDirections {
  private:
   Array<Vec3f> direction_, tried_, gradient_, previous_;
   Array<float> excess_, triedExcess_, share_, shareChange_;
+  Array<Vec3f> heldDirection_, heldChange_;
 };
 
 }  // namespace weir

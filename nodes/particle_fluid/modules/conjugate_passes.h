@@ -77,8 +77,10 @@ struct Settle {
     const auto s = read(density.state, i);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(excessOf(excess + 1, tension))});
     // As solids have let it go.
-    if (!first && !control->takesBack)
-      write(of.direction, i, (read(displacement, i) - read(of.tried, i)) / float(control->length));
+    if (first || control->takesBack) return;
+    write(of.direction, i, (read(displacement, i) - read(of.tried, i)) / float(control->length));
+    if (of.held.size > 0)
+      write(of.heldDirection, i, (read(of.held, i) - read(of.heldChange, i)) / float(control->length));
   }
 };
 
@@ -159,6 +161,7 @@ struct JudgeState {
 /// The gradient, and u + z.
 struct Descend {
   PushOf pushOf;
+  float divisor;
   ConjugateView of;
   const SolverControl* control;
   ArrayView<const Vec3f> predicted, displacement;
@@ -171,11 +174,12 @@ struct Descend {
     const auto u = read(displacement, i);
     const auto descent = at.push - u;
     write(of.gradient, i, -descent);
-    const auto moved = u + descent / at.divisor;
+    const auto moved = u + descent / divisor;
     write(of.tried, i, moved);
     const auto p = read(predicted, i) + moved;
     write(state, i, {p.x, p.y, p.z, 0});
-    if (of.share.size > 0) write(of.shareChange, i, (at.wall - read(pushOf.walls.share, i)) / at.divisor);
+    if (of.share.size > 0) write(of.shareChange, i, (at.wall - read(pushOf.walls.share, i)) / divisor);
+    if (of.held.size > 0) write(of.heldChange, i, (at.wall * at.gradPhi - read(of.held, i)) / divisor);
   }
 };
 
@@ -226,6 +230,9 @@ struct Try {
     if (of.share.size > 0)
       of.share[i] =
           control.momentum == 0 ? of.shareChange[i] : of.shareChange[i] + control.momentum * of.share[i];
+    if (of.held.size > 0)
+      of.heldDirection[i] = control.momentum == 0 ? of.heldChange[i]
+                                                  : of.heldChange[i] + control.momentum * of.heldDirection[i];
     const Vec3f tried = u + float(control.trial) * p;
     of.tried[i] = tried;
     problem.place(i, tried);
@@ -235,6 +242,7 @@ struct Try {
     const ConjugateView& of = problem.of;
     const Vec3f before = u - float(problem.control->length) * of.direction[i];
     if (of.share.size > 0) problem.share[i] -= float(problem.control->length) * of.share[i];
+    if (of.held.size > 0) of.held[i] -= float(problem.control->length) * of.heldDirection[i];
     problem.displacement[i] = before;
     of.tried[i] = before;
     problem.place(i, before);
@@ -308,6 +316,10 @@ struct Advance {
     const Vec3f u = problem.displacement[i], moved = u + float(control.length) * of.direction[i];
     of.excess[i] += float(control.part) * (of.triedExcess[i] - of.excess[i]);
     if (of.share.size > 0) problem.share[i] += float(control.length) * of.share[i];
+    if (of.held.size > 0) {
+      of.heldChange[i] = of.held[i];
+      of.held[i] += float(control.length) * of.heldDirection[i];
+    }
     of.tried[i] = u;
     problem.displacement[i] = moved;
     problem.place(i, moved);
