@@ -15,11 +15,13 @@ struct PairGradient {
   /// direction.
   WEIR_HD Vec3f operator()(Vec3f r, float sign) const {
     float far = sqrtf(dot(r, r));
-    if (far < shortest) {
-      if (far == 0) r.x = sign * shortest;
-      far = shortest;
-    }
-    return (particleVolume * kernel.slope(far) / far) * r;
+    if (far == 0) r.x = sign * shortest;
+    return weight(far) * r;
+  }
+  /// V0·|W'|/r
+  WEIR_HD float weight(float far) const {
+    if (far < shortest) far = shortest;
+    return particleVolume * kernel.slope(far) / far;
   }
 };
 

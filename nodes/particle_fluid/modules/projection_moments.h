@@ -24,6 +24,20 @@ struct Begin {
   }
 };
 
+/// The walls that mirror a particle's pairs.
+struct FindNearWalls {
+  WallPlanes planes;
+  ArrayView<const Vec4f> state;
+  ArrayView<Vec3f> distances;
+  ArrayView<float> keys;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const NearWalls near = planes.near(i, xyz(state[i]));
+    distances[i] = near.distances();
+    keys[i] = near.keys();
+  }
+};
+
 /// s: how fast fluid of that relative density may close up. What is compressed by more than corrections of
 /// positions leave has to expand, as these reach a neighbour at a time.
 WEIR_HD inline float roomFor(float lambda, float dt) {
@@ -53,7 +67,9 @@ struct FindMoments {
     SymmetricTensor moments{};
     const SpikyKernel& kernel = packing.gradient.kernel;
     float sum = kernel.value0;
+    Vec3f all{};
     packing.forEach(i, [&](int, const Vec3f& g, const Vec3f& r) {
+      all += g;
       const float far = sqrtf(dot(r, r));
       sum += kernel.value(far);
       if (far > 0) moments.addSquare(sqrtf(dot(g, g)) / far, r);
@@ -61,16 +77,18 @@ struct FindMoments {
     float lambda = packing.gradient.particleVolume * sum;
     if (!walls.empty())
       lambda += positivePart(walls.phi(i, -dt * velocities[i], p) - planes.meshes.gained(i, dt));
-    planes.forEach(i, p, [&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
-    write(i, p, inverseOf(moments), lambda);
+    const PlanesAtParticle at = planes.at(i, p, all);
+    at.forEach([&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
+    write(i, at, inverseOf(moments), lambda);
   }
 
  private:
-  WEIR_HD void write(std::int64_t i, const Vec3f& p, const SymmetricTensor& n, float lambda) const {
+  WEIR_HD void write(std::int64_t i, const PlanesAtParticle& at, const SymmetricTensor& n,
+                     float lambda) const {
     Vec3f push{};
     float moving = 0;
     if (wallOfPair.size > 0) forgetPairs(i);
-    planes.forEach(i, p, [&](const WallPlane& of) {
+    at.forEach([&](const WallPlane& of) {
       const float k = of.push * dot(of.normal, n * of.normal);
       push += k * of.normal;
       moving += k * dot(of.normal, of.velocity);

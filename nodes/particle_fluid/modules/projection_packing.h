@@ -1,9 +1,10 @@
 // What the passes of TwoProjections (two_projections.h) know of each particle, and sums over its pairs.
 #pragma once
 
+#include "nodes/particle_fluid/modules/projection_mirrors.h"
+
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/displacement.h"
-#include "nodes/particle_fluid/pair_gradient.h"
 
 namespace weir {
 
@@ -44,16 +45,23 @@ struct ProjectionPacking {
   NeighborView neighbors;
   PairGradient gradient;
   ArrayView<const Vec4f> state;
+  ArrayView<const Vec3f> wallDistances;  ///< NearWalls
+  ArrayView<const float> wallKeys;
   ArrayView<const Vec3f> diagonal, off, wall;
 
   WEIR_HD SymmetricTensor tensor(std::int64_t i) const { return {diagonal[i], off[i]}; }
+  WEIR_HD projection::NearWalls nearWalls(std::int64_t i) const { return {wallDistances[i], wallKeys[i]}; }
   /// f(j, a·r, r) of all neighbours.
   template <class F>
   WEIR_HD void forEach(std::int64_t i, const F& f) const {
     const Vec3f p = xyz(state[i]);
+    const projection::NearWalls own = nearWalls(i);
     forEachNeighbor(i, neighbors, [&](int j) {
       const Vec3f r = xyz(state[j]) - p;
-      f(j, gradient(r, pairSign(i, j)), r);
+      Vec3f g = gradient(r, pairSign(i, j));
+      if (own.key[0] != 0 && wallKeys[j] > 0)
+        g += projection::mirroredWeight(gradient, dot(r, r), own, nearWalls(j)) * r;
+      f(j, g, r);
     });
   }
 };

@@ -3,6 +3,7 @@
 
 #include "framework/compute/parallel.h"
 #include "nodes/particle_fluid/modules/projection_packing.h"
+#include "nodes/particle_fluid/modules/projection_sums.h"
 #include "nodes/particle_fluid/modules/projection_walls.h"
 
 namespace weir::projection {
@@ -17,13 +18,15 @@ struct FindGradients {
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f own = u[i];
     Vec3f x{}, y{}, z{};
+    Vec3f all{};
     packing.forEach(i, [&](int j, const Vec3f& g, const Vec3f&) {
+      all += g;
       const Vec3f change = u[j] - own;
       x += change.x * g;
       y += change.y * g;
       z += change.z * g;
     });
-    planes.forEach(i, xyz(packing.state[i]), [&](const WallPlane& of) {
+    planes.at(i, xyz(packing.state[i]), all).forEach([&](const WallPlane& of) {
       const Vec3f along = of.push * dot(of.normal, own - of.velocity) * of.normal;
       x += along.x * of.normal;
       y += along.y * of.normal;
@@ -120,30 +123,24 @@ struct Start {
 };
 
 /// Particles without a direction are left as they are: their residual is 0 as long as a round takes.
-struct Sums {
+struct SumTerms {
   ArrayView<const float> residual, direction, product, preconditioner;
-  WEIR_HD Vec4f operator()(std::int64_t i) const {
-    const float r = residual[i];
-    return {direction[i] * product[i], r * preconditioner[i] * r, r * r, 0};
+  WEIR_HD ProjectionSums operator()(std::int64_t i) const {
+    const double r = residual[i];
+    return {double(direction[i]) * double(product[i]), r * double(preconditioner[i]) * r, r * r};
   }
 };
-struct AddSums {
-  WEIR_HD Vec4f operator()(const Vec4f& a, const Vec4f& b) const {
-    return {a.x + b.x, a.y + b.y, a.z + b.z, 0};
-  }
-};
-
 /// Whether an iteration goes on, given the sums before it.
-WEIR_HD inline bool goesOn(const Vec4f& before, float enough) {
-  return before.z > enough && before.x > 0;
+WEIR_HD inline bool goesOn(const ProjectionSums& before, double enough) {
+  return before.squares > enough && before.curvature > 0;
 }
 
 /// How many particles the passes have: all, or none once a round is done, so that the device runs several
 /// iterations before the host looks at them.
 struct Judge {
   Count count;
-  float enough;
-  const Vec4f* before;  ///< null: all
+  double enough;
+  const ProjectionSums* before;  ///< null: all
   int* active;
 
   WEIR_HD void operator()(std::int64_t) const {
@@ -151,26 +148,25 @@ struct Judge {
   }
 };
 
-/// By before.y/before.x.
 struct Advance {
-  const Vec4f* before;
+  const ProjectionSums* before;
   ArrayView<const float> direction, product;
   ArrayView<float> q, residual;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const float length = before->y / before->x;
+    const float length = float(before->descent / before->curvature);
     q[i] += length * direction[i];
     if (direction[i] != 0) residual[i] -= length * product[i];
   }
 };
 
 struct Turn {
-  const Vec4f *before, *after;
+  const ProjectionSums *before, *after;
   ArrayView<const float> residual, preconditioner;
   ArrayView<float> direction;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const float share = after->y / before->y;
+    const float share = float(after->descent / before->descent);
     if (direction[i] != 0) direction[i] = preconditioner[i] * residual[i] + share * direction[i];
   }
 };

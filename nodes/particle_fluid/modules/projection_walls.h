@@ -1,12 +1,15 @@
 // Walls in the operators of TwoProjections (two_projections.h): planes that fluid slips along.
 //
 // To Σ_j a·r⊗r of a particle at a distance y a plane with the normal n adds k·y·n⊗n, and to Σ_j a·(v_j −
-// v_i)⊗r what keeps linear fields exact that such a wall allows: k·(n·(v_i − v_wall))·n⊗n. Layers of fluid at
-// ½d, 1½d… bear an even pressure as a whole if Σ_l d·k(y_l) = 1, and each of them if k is in proportion to
-// what lies behind the wall for the fluid's own kernel, −dΦ/dy with its radius H (boundary_integrals.h). What
-// lies behind another wall, too, has no neighbours opposite: k is times what the others leave open, 1 − Φ.
+// v_i)⊗r what keeps linear fields exact that such a wall allows: k·(n·(v_i − v_wall))·n⊗n. An even pressure
+// must not push a particle, which it does with N·(k·n − 2·Σ_j a·r) where N is even. So k of a plane is
+// 2·n·Σ_j a·r, a being the weights with those of mirrored pairs (projection_mirrors.h), and not negative.
+// In continuous fluid that is 6·(1 − y/H)⁵/H, with which M is 1 at the wall as well. Where normals are
+// not at right angles, each takes a part in proportion to what lies behind its plane for the fluid's own
+// kernel, −dΦ/dy with its radius H (boundary_integrals.h), times what the others leave open, 1 − Φ.
 #pragma once
 
+#include "nodes/particle_fluid/modules/projection_mirrors.h"
 #include "nodes/particle_fluid/modules/projection_packing.h"
 #include "nodes/particle_fluid/wall_field.h"
 
@@ -18,6 +21,7 @@ struct WallPlane {
   float push;      ///< k, 1/m
   Vec3f velocity;  ///< of the wall, m/s
   int pair = -1;   ///< of the particle and its solid, in SolidPairs; -1 for a boundary
+  int number = 0;  ///< of the wall, among all
 };
 
 /// Solids by meshes near particles, each a plane by its ∇Φ. So where faces meet, it is a slanted one.
@@ -28,7 +32,7 @@ struct MeshPlanes {
   ArrayView<const Vec3f> predicted;  ///< positions of particles, at which `each` was found
   float radius, factor;              ///< of Φ: H_w, m, and a
 
-  /// f(distance, normal, velocity, pair)
+  /// f(distance, normal, velocity, pair, solid)
   template <class F>
   WEIR_HD void forEach(std::int64_t i, const F& f) const {
     if (solids.size == 0) return;
@@ -37,7 +41,7 @@ struct MeshPlanes {
       const float steep = sqrtf(dot(gradient, gradient));
       if (!(steep > 0)) continue;
       f(radius * distanceOf(steep * radius / factor), (-1 / steep) * gradient,
-        solids[pairs.solid[pair]].velocityAt(predicted[i]), pair);
+        solids[pairs.solid[pair]].velocityAt(predicted[i]), pair, static_cast<int>(pairs.solid[pair]));
     }
   }
   /// By what Φ of a particle is more, where the solids move, than it was `dt` s ago.
@@ -74,36 +78,91 @@ WEIR_HD void forEachFace(const BoundaryPiece& piece, const Vec3f& x, const F& f)
   f(half + p.y, rotate(shape.rotation, Vec3f{0, 1, 0}));
 }
 
+/// The planes within H of a particle, the nearest if there are too many.
+struct PlanesAtParticle {
+  static constexpr int kMost = 5;
+  WallPlane plane[kMost];
+  int count = 0;
+
+  WEIR_HD void add(const WallPlane& one) {
+    int place = count;
+    if (count == kMost) {
+      place = 0;
+      for (int k = 1; k < kMost; ++k)
+        if (plane[k].distance > plane[place].distance) place = k;
+      if (plane[place].distance <= one.distance) return;
+    } else {
+      ++count;
+    }
+    plane[place] = one;
+  }
+  template <class F>
+  WEIR_HD void forEach(const F& f) const {
+    for (int k = 0; k < count; ++k) f(plane[k]);
+  }
+  /// k by Φ alone.
+  WEIR_HD void leaveOpen(float radius, float share) {
+    float open = 1;
+    forEach([&](const WallPlane& of) { open *= 1 - faceIntegrals(of.distance / radius).phi; });
+    for (int k = 0; k < count; ++k) {
+      const FaceIntegrals<float> face = faceIntegrals(plane[k].distance / radius);
+      plane[k].push = -share * face.slope / radius * open / (1 - face.phi);
+    }
+  }
+  /// Makes Σ k·n what neighbours ask for, 2·Σ a·r.
+  WEIR_HD void balance(const Vec3f& asked) {
+    Vec3f left = asked;
+    forEach([&](const WallPlane& of) { left -= of.push * of.normal; });
+    float balanced[kMost];
+    for (int k = 0; k < count; ++k) {
+      float all = 0;
+      forEach([&](const WallPlane& of) {
+        const float along = dot(of.normal, plane[k].normal);
+        all += of.push * (along < 0 ? -along : along);
+      });
+      balanced[k] = all > 0 ? positivePart(plane[k].push * (1 + dot(plane[k].normal, left) / all)) : 0.0f;
+    }
+    for (int k = 0; k < count; ++k) plane[k].push = balanced[k];
+  }
+};
+
 struct WallPlanes {
   BoundaryView boundary;
   MeshPlanes meshes;
   float radius;  ///< H, m
-  float share;   ///< k over −dΦ/dy
+  float share;   ///< k over −dΦ/dy, before it is balanced
 
-  /// f(plane) of all that are within H of particle i, which is at x.
-  template <class F>
-  WEIR_HD void forEach(std::int64_t i, const Vec3f& x, const F& f) const {
-    float open = 1;
-    forEachWithin(i, x, [&](const FaceIntegrals<float>& face, WallPlane) { open *= 1 - face.phi; });
-    forEachWithin(i, x, [&](const FaceIntegrals<float>& face, WallPlane plane) {
-      plane.push = -share * face.slope / radius * open / (1 - face.phi);
-      f(plane);
-    });
+  WEIR_HD NearWalls near(std::int64_t i, const Vec3f& x) const {
+    NearWalls found;
+    const PlanesAtParticle all = within(i, x);
+    all.forEach([&](const WallPlane& plane) { found.add(plane.distance, plane.number); });
+    return found;
+  }
+  /// Those of particle i, which is at x and has neighbours with the sum Σ a·r.
+  WEIR_HD PlanesAtParticle at(std::int64_t i, const Vec3f& x, const Vec3f& sum) const {
+    PlanesAtParticle found = within(i, x);
+    if (found.count == 0) return found;
+    found.leaveOpen(radius, share);
+    found.balance(2 * sum);
+    return found;
   }
 
  private:
-  template <class F>
-  WEIR_HD void forEachWithin(std::int64_t i, const Vec3f& x, const F& f) const {
-    const auto plane = [&](float distance, const Vec3f& normal, const Vec3f& velocity, int pair) {
+  WEIR_HD PlanesAtParticle within(std::int64_t i, const Vec3f& x) const {
+    PlanesAtParticle found;
+    const auto plane = [&](float distance, const Vec3f& normal, const Vec3f& velocity, int pair, int number) {
       const float y = positivePart(distance);
-      if (y < radius) f(faceIntegrals(y / radius), WallPlane{normal, y, 0, velocity, pair});
+      if (y < radius) found.add(WallPlane{normal, y, 0, velocity, pair, number});
     };
     meshes.forEach(i, plane);
-    if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return;
+    if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return found;
+    int number = static_cast<int>(meshes.solids.size);
     forEachPiece(boundary, [&](const BoundaryPiece& piece) {
-      forEachFace(piece, x,
-                  [&](float distance, const Vec3f& normal) { plane(distance, normal, Vec3f{}, -1); });
+      forEachFace(piece, x, [&](float distance, const Vec3f& normal) {
+        plane(distance, normal, Vec3f{}, -1, number++);
+      });
     });
+    return found;
   }
 };
 

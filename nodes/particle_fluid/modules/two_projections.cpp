@@ -30,14 +30,14 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
 }
 
 void TwoProjections::fit(FluidStep& fluid) {
-  fitScratch(fluid, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
+  fitScratch(fluid, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
              q_, room_, source_, residual_, direction_, product_, preconditioner_);
   if (wrenches_.data() == nullptr)
     wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
   wrenches_.resizeDiscarding(fluid.walls.views.size());
   wallOfPair_.resizeDiscarding(fluid.walls.moves ? fluid.walls.pairs.room() : 0);
   if (sums_.data() != nullptr) return;
-  sums_ = Array<Vec4f>(fluid.device, 2 * kTogether);
+  sums_ = Array<projection::ProjectionSums>(fluid.device, 2 * kTogether);
   active_ = Array<int>(fluid.device, 1);
 }
 
@@ -45,6 +45,8 @@ ProjectionPacking TwoProjections::packingOf(FluidStep& fluid) {
   return {fluid.neighbors.view(),
           pairGradientOf(fluid.constants),
           state_.view(),
+          wallDistances_.view(),
+          wallKeys_.view(),
           diagonal_.view(),
           off_.view(),
           wall_.view()};
@@ -62,7 +64,7 @@ projection::BodiesAtParticles TwoProjections::bodiesOf(FluidStep& fluid) {
 
 double TwoProjections::memory(const FluidRoom& room) const {
   constexpr double kUsualPairs = 2;  // of a particle, as SolidPairs has room for
-  return bytesOfArrays(room.particles, state_, weighted_, diagonal_, off_, wall_, u_, push_, displacement_,
+  return bytesOfArrays(room.particles, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_, u_, push_, displacement_,
                        rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
                        preconditioner_) +
          room.particles * sizeof(float) +

@@ -1,8 +1,10 @@
 #include "nodes/particle_fluid/modules/two_projections.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "nodes/particle_fluid/fluid_sums.h"
 #include "nodes/particle_fluid/modules/pbf_passes.h"
 #include "nodes/particle_fluid/modules/projection_bodies.h"
 #include "nodes/particle_fluid/modules/projection_moments.h"
@@ -41,12 +43,26 @@ struct Finish {
   }
 };
 
-/// k over −dΦ/dy, such that Σ d·k = 1 over the layers of fluid at a plane.
+/// M on a lattice, inside the fluid.
+double momentInside(const FluidConstants& c) {
+  const PairGradient gradient = pairGradientOf(c);
+  const int reach = static_cast<int>(c.supportRadius / c.spacing) + 1, wide = 2 * reach + 1;
+  double sum = 0;
+  for (int k = 0; k < wide * wide * wide; ++k) {
+    const int x = k % wide - reach, y = k / wide % wide - reach, z = k / wide / wide - reach;
+    const float far = c.spacing * std::sqrt(float(x * x + y * y + z * z));
+    if (far > 0) sum += gradient.weight(far) * c.spacing * c.spacing * float(x * x);
+  }
+  return sum;
+}
+
+/// k over −dΦ/dy, such that layers of fluid at a plane, with N as it is on a lattice, bear an even pressure:
+/// Σ d·k·N = 1.
 float shareOf(const FluidConstants& c) {
   double sum = 0;
   for (double y = 0.5 * c.spacing; y < c.supportRadius; y += c.spacing)
     sum -= c.spacing / c.supportRadius * faceIntegrals(y / c.supportRadius).slope;
-  return static_cast<float>(1 / sum);
+  return static_cast<float>(momentInside(c) / sum);
 }
 
 WallPlanes planesOf(const FluidStep& fluid) {
@@ -67,10 +83,16 @@ WallPlanes planesOf(const FluidStep& fluid) {
 
 template <class Backend>
 void TwoProjections::findMoments(Backend& device, FluidStep& fluid) {
-  parallelFor(device, "moments", fluid.particles.count(),
+  const Count count = fluid.particles.count();
+  const WallPlanes planes = planesOf(fluid);
+  parallelFor(device, "near walls", count,
+              FindNearWalls{planes, state_.view(), wallDistances_.view(), wallKeys_.view()});
+  fluid.exchange(wallDistances_.view());
+  fluid.exchange(wallKeys_.view());
+  parallelFor(device, "moments", count,
               FindMoments{.packing = packingOf(fluid),
                           .walls = fluid.walls.view(),
-                          .planes = planesOf(fluid),
+                          .planes = planes,
                           .dt = static_cast<float>(fluid.time.dt),
                           .velocities = u_.view(),
                           .diagonal = diagonal_.view(),
@@ -137,29 +159,30 @@ void TwoProjections::moveBodies(Backend& device, FluidStep& fluid) {
 }
 
 template <class Backend>
-void TwoProjections::iterateOnce(Backend& device, FluidStep& fluid, float enough, Vec4f* before) {
+void TwoProjections::iterateOnce(Backend& device, FluidStep& fluid, double enough, ProjectionSums* before) {
   const Count all = fluid.particles.count(), count{all.bound, active_.data()};
-  Vec4f* after = before + 1;
-  const Sums sums{residual_.view(), direction_.view(), product_.view(), preconditioner_.view()};
+  ProjectionSums* after = before + 1;
+  const SumTerms terms{residual_.view(), direction_.view(), product_.view(), preconditioner_.view()};
+  const OnAllRanks ranks{ranksOf(fluid), count};
   fluid.exchange(direction_.view());
   apply(device, fluid, count, direction_);
-  reduce(device, "sums", count, Vec4f{}, sums, projection::AddSums{}, before);
+  sumOverRanks(device, "sums", ranks, terms, projection::AddSums{}, before);
   parallelFor(device, "judge", 1, Judge{all, enough, before, active_.data()});
   parallelFor(device, "advance", count,
               Advance{before, direction_.view(), product_.view(), q_.view(), residual_.view()});
-  reduce(device, "sums", count, Vec4f{}, sums, projection::AddSums{}, after);
+  sumOverRanks(device, "sums", ranks, terms, projection::AddSums{}, after);
   parallelFor(device, "turn", count,
               Turn{before, after, residual_.view(), preconditioner_.view(), direction_.view()});
 }
 
 template <class Backend>
-bool TwoProjections::iterate(Backend& device, FluidStep& fluid, float squares) {
+bool TwoProjections::iterate(Backend& device, FluidStep& fluid, double squares) {
   parallelFor(device, "judge", 1, Judge{fluid.particles.count(), 0, nullptr, active_.data()});
   for (int done = 0, together; done < maxIterations; done += together) {
     together = done == 0 ? 1 : std::min<int>(kTogether, maxIterations - done);
-    const float enough = (done == 0 ? 1.0f : 0.1f) * squares;
+    const double enough = (done == 0 ? 1 : 0.1) * squares;
     for (int k = 0; k < together; ++k) iterateOnce(device, fluid, enough, sums_.data() + 2 * k);
-    const std::vector<Vec4f> sums = sums_.toHost();
+    const std::vector<ProjectionSums> sums = sums_.toHost();
     for (int k = 0; k < together; ++k) {
       if (!goesOn(sums[static_cast<std::size_t>(2 * k)], enough)) return true;
       ++record_->iterations;
@@ -171,8 +194,8 @@ bool TwoProjections::iterate(Backend& device, FluidStep& fluid, float squares) {
 template <class Backend>
 void TwoProjections::project(Backend& device, FluidStep& fluid) {
   const Count count = fluid.particles.count();
-  const float change = tolerance / static_cast<float>(fluid.time.dt);
-  const float squares = change * change * static_cast<float>(count.bound);
+  const double change = tolerance / fluid.time.dt,
+               squares = change * change * double(countOfAll(fluid).bound);
   const ProjectionPacking packing = packingOf(fluid);
   parallelFor(device, "source", count, Divergence{packing, u_.view(), source_.view()});
   parallelFor(device, "preconditioner", count, FindPreconditioner{packing, preconditioner_.view()});

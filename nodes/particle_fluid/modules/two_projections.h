@@ -1,6 +1,6 @@
 // Velocities and positions made incompressible one beside the other, so that water at rest under pressure has
 // no stiffness against shear and small waves hardly lose height (engineering/jelly.md). In the place of the
-// module "solver". It waits for the device every few iterations, and works on one rank.
+// module "solver". It waits for the device every few iterations.
 //
 // At the positions x with which a step begins, x* − dt·v*, with r = x_j − x_i and a_ij = V0·|W'|/r:
 //
@@ -22,9 +22,11 @@
 #pragma once
 
 #include "framework/base/clamped.h"
+#include "framework/communication/on_ranks.h"
 #include "framework/compute/dispatch.h"
 #include "framework/solids/free_body.h"
 #include "nodes/particle_fluid/fluid_module.h"
+#include "nodes/particle_fluid/modules/projection_sums.h"
 #include "nodes/particle_fluid/own_wall_factor.h"
 
 namespace weir {
@@ -34,7 +36,7 @@ namespace projection {
 struct BodiesAtParticles;
 }
 
-class TwoProjections final : public FluidModule, public InPeriodicDomain, public OwnWallFactor {
+class TwoProjections final : public FluidModule, public OnRanks, public OwnWallFactor {
  public:
   static constexpr ModuleInfo kInfo{
       "TwoProjections", kFamily,
@@ -105,10 +107,10 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   void project(Backend& device, FluidStep& fluid);
   /// One round of conjugate gradients; whether it has ended by the tolerance.
   template <class Backend>
-  bool iterate(Backend& device, FluidStep& fluid, float squares);
+  bool iterate(Backend& device, FluidStep& fluid, double squares);
   /// Writes two sums, before it and after it, in device memory; nothing else if the round is done.
   template <class Backend>
-  void iterateOnce(Backend& device, FluidStep& fluid, float enough, Vec4f* before);
+  void iterateOnce(Backend& device, FluidStep& fluid, double enough, projection::ProjectionSums* before);
   /// D·Dᵀ of what is in `of`, into product_; push_ is Dᵀ of it, and what the bodies get is their change.
   template <class Backend>
   void apply(Backend& device, FluidStep& fluid, Count count, const Array<float>& of);
@@ -129,6 +131,8 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   State<Record> record_{*this, "projection"};
   Attribute<float> pressure_;       // Pa
   Array<Vec4f> state_, weighted_;   // position; and the multiplier of corrections
+  Array<Vec3f> wallDistances_;      // NearWalls
+  Array<float> wallKeys_;
   Array<Vec3f> diagonal_, off_;     // of N: xx, yy, zz and xy, xz, yz
   Array<Vec3f> wall_, wallOfPair_;  // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
   Array<Twist> wrenches_;           // of each solid
@@ -136,7 +140,7 @@ class TwoProjections final : public FluidModule, public InPeriodicDomain, public
   Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
   static constexpr int kTogether = 8;  // iterations that the host does not look at one by one
-  Array<Vec4f> sums_;                  // two of each of them
+  Array<projection::ProjectionSums> sums_;  // two of each of them
   Array<int> active_;                  // one: particles that the passes of an iteration have
 };
 
