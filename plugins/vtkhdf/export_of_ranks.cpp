@@ -99,9 +99,10 @@ void ExportOfRanks::addStep(double time, const std::vector<double>& fields,
   }
 }
 
-void ExportOfRanks::complete() {
+void ExportOfRanks::complete(const ExportTexts& more) {
   ranks_.sum(0);
   if (rank() > 0) return;
+  texts_.insert(texts_.end(), more.begin(), more.end());
   complete_ = std::ssize(steps_);
   writeFile(complete_);
 }
@@ -113,10 +114,6 @@ void ExportOfRanks::keepComplete() {
 void ExportOfRanks::removeEmptyFolder() const {
   std::error_code ignored;
   if (rank() == 0) fs::remove(folder(), ignored);  // which does not remove what is in it
-}
-
-void ExportOfRanks::setText(const std::string& name, const std::string& text) {
-  texts_.emplace_back(name, text);
 }
 
 void ExportOfRanks::writeFile(std::int64_t frames) {
@@ -139,6 +136,7 @@ void ExportOfRanks::writeCounting(std::int64_t numbers) {
   if (numbers <= counting_) return;
   // By half more, so that a growing fluid asks for it rarely.
   counting_ = std::max(numbers, counting_ + counting_ / 2);
+  counting_ = (counting_ + kCountingChunk - 1) / kCountingChunk * kCountingChunk;
   PolyDataFile::writeCounting(folder() / kCountingFile, counting_);
 }
 

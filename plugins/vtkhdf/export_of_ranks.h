@@ -40,8 +40,8 @@ class ExportOfRanks {
   void prepare(const VtkHdfLayout& layout, const ExportTexts& texts);
   /// What all have in this frame, of which this rank has so many particles of each source.
   FrameOfRanks share(const std::vector<std::int64_t>& counts, std::int64_t written);
-  /// The named file has all frames then. All ranks must have written them.
-  void complete();
+  /// The named file has all frames then, which all ranks must have written, and these texts, of rank 0.
+  void complete(const ExportTexts& more = {});
   void save(const StateWriter& to);
   void resume(const StateReader& from);
 
@@ -52,7 +52,6 @@ class ExportOfRanks {
   void keepComplete();
   /// Nothing was written.
   void removeEmptyFolder() const;
-  void setText(const std::string& name, const std::string& text);
 
   /// How many ranks wrote the frames of a saved export; 1 for one file of any number.
   static int savedRanks(const StateReader& from);

@@ -392,8 +392,14 @@ void ParticleExport::endOnRanks(Simulation& simulation, RunEnd how) {
   file_.close();
   if (!file_.isOpen()) return ranks_->removeEmptyFolder();
   if (how == RunEnd::kFailed) return ranks_->keepComplete();
-  if (ranks_->rank() == 0) ranks_->setText("statistics", writeJson(runStatistics(simulation, how)));
-  ranks_->complete();
+  ExportTexts ended;
+  if (ranks_->rank() == 0) ended.emplace_back("statistics", writeJson(runStatistics(simulation, how)));
+  try {
+    ranks_->complete(ended);
+  } catch (const RanksEnded&) {
+    ranks_->keepComplete();
+    throw;
+  }
 }
 
 std::vector<OutputOption> ParticleExportKind::options() const {

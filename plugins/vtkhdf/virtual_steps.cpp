@@ -78,11 +78,10 @@ void makeVirtualSets(hdf5::File& file, const VtkHdfLayout& layout, const Virtual
 
 void makeCountingSet(hdf5::File& file, std::int64_t end) {
   // Chunks are written whole and once, so they may be compressed: to less than a hundredth.
-  constexpr std::int64_t kChunk = 1 << 17;
   hdf5::Dataset set = file.root().createGrowing(
-      kCounting, {.type = NumberType::kInt64, .chunkRows = kChunk, .deflate = true});
-  std::vector<std::int64_t> block(kChunk);
-  for (std::int64_t first = 0; first < end; first += kChunk) {
+      kCounting, {.type = NumberType::kInt64, .chunkRows = kCountingChunk, .deflate = true});
+  std::vector<std::int64_t> block(kCountingChunk);
+  for (std::int64_t first = 0; first < end; first += kCountingChunk) {
     std::iota(block.begin(), block.end(), first);
     set.append(std::span<const std::int64_t>(block));
   }

@@ -36,7 +36,9 @@ hdf5::NumberType numberType(VtkHdfType type);
 
 /// Adds the data sets whose rows stand elsewhere to an empty file: points, their attributes, and vertices.
 void makeVirtualSets(hdf5::File& file, const VtkHdfLayout& layout, const VirtualSteps& from);
-/// Adds the numbers below `end` to an empty file.
+/// Files of these have a multiple of so many numbers.
+inline constexpr std::int64_t kCountingChunk = 1 << 17;
+/// Adds the numbers below `end`, and what is behind in its chunk, to an empty file.
 void makeCountingSet(hdf5::File& file, std::int64_t end);
 
 }  // namespace weir

@@ -75,7 +75,7 @@ SCENARIOS = [
 # What a run may leave beside the files of a run that ended well: the checkpoint before the last one.
 EXTRA = {"run.previous.h5"}
 # Not the same from run to run: times, and what ffmpeg makes of its threads.
-VARYING = (".json", ".jsonl", ".h5", ".vtkhdf", ".mp4")
+VARYING = (".json", ".jsonl", ".h5", ".hdf5", ".vtkhdf", ".mp4")
 # The loader of glibc 2.39 ends a program where some of its own allocations fail, before anything is written: this one, or the
 # copy in which a plugin is tried.
 LOADER_ENDED = ("Inconsistency detected by ld.so", "when they are made, with exit code 127")
