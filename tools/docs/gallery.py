@@ -33,7 +33,7 @@ LOOPS = {  # the last frame, and what is set
     "village": (60, "let.spacing=0.1", "world.frame_rate=12", "render.environment.exposure=0.9"),
     "paint": (47, "let.spacing=0.004", "world.frame_rate=15"),
 }
-LOOP_SIZE = "render.width=640", "render.height=360"
+LOOP_SIZE = "render.width=800", "render.height=450"
 
 
 def wanted(page):
