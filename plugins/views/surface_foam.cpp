@@ -1,7 +1,10 @@
 #include "plugins/views/surface_foam.h"
 
+#include <atomic>
+
 #include "framework/base/check.h"
 #include "nodes/white_water/white_particles.h"
+#include "plugins/views/in_parts.h"
 #include "plugins/views/near_particles.h"
 
 namespace weir::rendering {
@@ -19,12 +22,14 @@ std::vector<float> SurfaceFoam::lay(std::span<const Vec3f> positions, std::span<
   }
   std::vector<float> left(radii.begin(), radii.end());
   const NearParticles near(places, reach_);
-  for (std::size_t v = 0; v < vertices_.size(); ++v)
-    near.visit(vertices_[v], [&](std::size_t k, float weight) {
-      const float share = radii[numbers[k]] / reach_;
-      cover[v] += 3 * share * share * weight;
-      left[numbers[k]] = 0;
-    });
+  inParts(vertices_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      near.visit(vertices_[v], [&](std::size_t k, float weight) {
+        const float share = radii[numbers[k]] / reach_;
+        cover[v] += 3 * share * share * weight;
+        std::atomic_ref(left[numbers[k]]).store(0, std::memory_order_relaxed);
+      });
+  });
   return left;
 }
 
