@@ -22,15 +22,20 @@ struct BodiesAtParticles {
   ArrayView<const Vec3f> wallOfPair;  ///< w, of each pair
   double particleMass;
 
-  /// f(k, body, w, arm, pair) of each body k at particle i.
+  /// f(k, body, w, arm, pair) of each body k that particle i pushes.
   template <class F>
   WEIR_HD void forEach(int i, const F& f) const {
+    forAll(i, [&](int k, const FreeBody& body, const Vec3d& w, const Vec3d& arm, int pair) {
+      if (dot(w, w) > 0) f(k, body, w, arm, pair);
+    });
+  }
+  /// The same of all that are near.
+  template <class F>
+  WEIR_HD void forAll(int i, const F& f) const {
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
       const int k = pairs.solid[pair];
-      const FreeBody* body = solids[k].body;
-      const Vec3f w = wallOfPair[pair];
-      if (body == nullptr || !(dot(w, w) > 0)) continue;
-      f(k, *body, doubleOf(w), doubleOf(predicted[i]) - body->predicted.center, pair);
+      if (const FreeBody* body = solids[k].body)
+        f(k, *body, doubleOf(wallOfPair[pair]), doubleOf(predicted[i]) - body->predicted.center, pair);
     }
   }
 };
@@ -119,17 +124,16 @@ struct TellOfBodies {
   WEIR_HD void operator()(std::int64_t n) const {
     const int i = bodies.near[n];
     double lifted = 0, steep = 0, push = 0;
-    bodies.forEach(i, [&](int, const FreeBody& body, const Vec3d& w, const Vec3d& arm, int pair) {
+    bodies.forAll(i, [&](int, const FreeBody& body, const Vec3d& w, const Vec3d& arm, int pair) {
       const Vec3d gradient = doubleOf(xyz(each[pair]));
       lifted += dot(gradient, body.displacement.at(arm));
       steep += length(gradient);
       push += length(w);
     });
     lift[i] = float(lifted);
-    if (!(push > 0)) return;
-    const double perShare = -steep / push;  // of w
-    share[i] = float(dt * q[i] / perShare);
-    bodies.forEach(i, [&](int, const FreeBody&, const Vec3d& w, const Vec3d&, int pair) {
+    const double perShare = push > 0 ? -steep / push : 0;  // of w
+    if (push > 0) share[i] = float(dt * q[i] / perShare);
+    bodies.forAll(i, [&](int, const FreeBody&, const Vec3d& w, const Vec3d&, int pair) {
       const Vec3f to = floatOf(perShare * w);
       each[pair] = {to.x, to.y, to.z, each[pair].w};
     });

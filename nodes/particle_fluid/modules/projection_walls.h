@@ -3,12 +3,14 @@
 // To Σ_j a·r⊗r of a particle at a distance y a plane with the normal n adds k·y·n⊗n, and to Σ_j a·(v_j −
 // v_i)⊗r what keeps linear fields exact that such a wall allows: k·(n·(v_i − v_wall))·n⊗n. An even pressure
 // must not push a particle, which it does with N·(k·n − 2·Σ_j a·r) where N is even. So k of a plane is
-// 2·n·Σ_j a·r, a being the weights with those of mirrored pairs (projection_mirrors.h), and not negative.
-// In continuous fluid that is 6·(1 − y/H)⁵/H, with which M is 1 at the wall as well. Where normals are
+// 2·n·Σ_j a·r, a being the weights with those of mirrored pairs (projection_mirrors.h). In continuous fluid
+// that is 6·(1 − y/H)⁵/H, with which M is 1 at the wall as well. It is not negative, and at most twice what Φ
+// asks for, −4·dΦ/dy: there may be air between a particle and a wall. Where normals are
 // not at right angles, each takes a part in proportion to what lies behind its plane for the fluid's own
 // kernel, −dΦ/dy with its radius H (boundary_integrals.h), times what the others leave open, 1 − Φ.
 #pragma once
 
+#include "framework/base/clamped.h"
 #include "nodes/particle_fluid/modules/projection_mirrors.h"
 #include "nodes/particle_fluid/modules/projection_packing.h"
 #include "nodes/particle_fluid/wall_field.h"
@@ -19,6 +21,7 @@ struct WallPlane {
   Vec3f normal;    ///< away from the wall
   float distance;  ///< y, m
   float push;      ///< k, 1/m
+  float most;      ///< of k: twice that by Φ, as at y = 0
   Vec3f velocity;  ///< of the wall, m/s
   int pair = -1;   ///< of the particle and its solid, in SolidPairs; -1 for a boundary
   int number = 0;  ///< of the wall, among all
@@ -106,7 +109,9 @@ struct PlanesAtParticle {
     forEach([&](const WallPlane& of) { open *= 1 - faceIntegrals(of.distance / radius).phi; });
     for (int k = 0; k < count; ++k) {
       const FaceIntegrals<float> face = faceIntegrals(plane[k].distance / radius);
-      plane[k].push = -share * face.slope / radius * open / (1 - face.phi);
+      const float alone = -share * face.slope / radius;
+      plane[k].push = alone * open / (1 - face.phi);
+      plane[k].most = 2 * alone;
     }
   }
   /// Makes Σ k·n what neighbours ask for, 2·Σ a·r.
@@ -120,7 +125,8 @@ struct PlanesAtParticle {
         const float along = dot(of.normal, plane[k].normal);
         all += of.push * (along < 0 ? -along : along);
       });
-      balanced[k] = all > 0 ? positivePart(plane[k].push * (1 + dot(plane[k].normal, left) / all)) : 0.0f;
+      balanced[k] =
+          all > 0 ? clamped(plane[k].push * (1 + dot(plane[k].normal, left) / all), 0, plane[k].most) : 0.0f;
     }
     for (int k = 0; k < count; ++k) plane[k].push = balanced[k];
   }
@@ -152,7 +158,7 @@ struct WallPlanes {
     PlanesAtParticle found;
     const auto plane = [&](float distance, const Vec3f& normal, const Vec3f& velocity, int pair, int number) {
       const float y = positivePart(distance);
-      if (y < radius) found.add(WallPlane{normal, y, 0, velocity, pair, number});
+      if (y < radius) found.add(WallPlane{normal, y, 0, 0, velocity, pair, number});
     };
     meshes.forEach(i, plane);
     if (boundary.count == 0 || !mayTouch(boundary, radius, x)) return found;

@@ -30,8 +30,9 @@ void TwoProjections::warn(const FluidOutlook& outlook) const {
 }
 
 void TwoProjections::fit(FluidStep& fluid) {
-  fitScratch(fluid, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_, u_, push_, displacement_, rowX_, rowY_, rowZ_,
-             q_, room_, source_, residual_, direction_, product_, preconditioner_);
+  fitScratch(fluid, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_, u_, push_,
+             displacement_, rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
+             preconditioner_);
   if (wrenches_.data() == nullptr)
     wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
   wrenches_.resizeDiscarding(fluid.walls.views.size());
@@ -64,9 +65,9 @@ projection::BodiesAtParticles TwoProjections::bodiesOf(FluidStep& fluid) {
 
 double TwoProjections::memory(const FluidRoom& room) const {
   constexpr double kUsualPairs = 2;  // of a particle, as SolidPairs has room for
-  return bytesOfArrays(room.particles, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_, u_, push_, displacement_,
-                       rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
-                       preconditioner_) +
+  return bytesOfArrays(room.particles, state_, weighted_, wallDistances_, wallKeys_, diagonal_, off_, wall_,
+                       u_, push_, displacement_, rowX_, rowY_, rowZ_, q_, room_, source_, residual_,
+                       direction_, product_, preconditioner_) +
          room.particles * sizeof(float) +
          (room.solids > 0 ? kUsualPairs * bytesOfArrays(room.particles, wallOfPair_) : 0);
 }

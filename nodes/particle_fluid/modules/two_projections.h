@@ -2,7 +2,8 @@
 // no stiffness against shear and small waves hardly lose height (engineering/jelly.md). In the place of the
 // module "solver". It waits for the device every few iterations.
 //
-// At the positions x with which a step begins, x* − dt·v*, with r = x_j − x_i and a_ij = V0·|W'|/r:
+// At the positions x with which a step begins, x* − dt·v*, with r = x_j − x_i and a_ij = V0·|W'|/r, to which
+// walls add what they mirror (projection_mirrors.h):
 //
 //   M_i = Σ_j a·r⊗r + Σ k·y·n⊗n,   N_i = M_i⁻¹,
 //   L_i = (Σ_j a·(v_j − v_i)⊗r + Σ k·(n·(v_i − v_w))·n⊗n)·N_i,   D_i v = tr L_i
@@ -129,9 +130,9 @@ class TwoProjections final : public FluidModule, public OnRanks, public OwnWallF
   void fit(FluidStep& fluid);
 
   State<Record> record_{*this, "projection"};
-  Attribute<float> pressure_;       // Pa
-  Array<Vec4f> state_, weighted_;   // position; and the multiplier of corrections
-  Array<Vec3f> wallDistances_;      // NearWalls
+  Attribute<float> pressure_;      // Pa
+  Array<Vec4f> state_, weighted_;  // position; and the multiplier of corrections
+  Array<Vec3f> wallDistances_;     // NearWalls
   Array<float> wallKeys_;
   Array<Vec3f> diagonal_, off_;     // of N: xx, yy, zz and xy, xz, yz
   Array<Vec3f> wall_, wallOfPair_;  // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
@@ -139,9 +140,9 @@ class TwoProjections final : public FluidModule, public OnRanks, public OwnWallF
   Array<Vec3f> u_, push_, displacement_;  // the last from x*
   Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
-  static constexpr int kTogether = 8;  // iterations that the host does not look at one by one
+  static constexpr int kTogether = 8;       // iterations that the host does not look at one by one
   Array<projection::ProjectionSums> sums_;  // two of each of them
-  Array<int> active_;                  // one: particles that the passes of an iteration have
+  Array<int> active_;                       // one: particles that the passes of an iteration have
 };
 
 }  // namespace weir

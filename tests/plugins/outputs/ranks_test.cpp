@@ -97,9 +97,11 @@ TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
 }
 
 TEST_F(RanksTest, SoIsOneByTwoProjections) {
-  scene_ = folder_.write("thrown.json",
-                         std::regex_replace(kThrown, std::regex("\"support_ratio\": 1.5(.*\n.*)\"AcceleratedSolver\".*\\} \\} \\} \\}"),
-                                            "\"support_ratio\": 2$1\"TwoProjections\" } } }"));
+  scene_ = folder_.write(
+      "thrown.json",
+      std::regex_replace(kThrown,
+                         std::regex("\"support_ratio\": 1.5(.*\n.*)\"AcceleratedSolver\".*\\} \\} \\} \\}"),
+                         "\"support_ratio\": 2$1\"TwoProjections\" } } }"));
   expectSameForAnyNumber({"world.dt=0.004"}, kFew);
   const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
   EXPECT_GT(statistics.find("nodes")->find("water")->find("projection_iterations")->asDouble(), 3);

@@ -7,6 +7,7 @@
 #include "framework/compute/cpu_threads.h"
 #include "framework/particles/relaxed_tile.h"
 #include "nodes/particle_fluid/particle_fluid.h"
+#include "nodes/semi_analytical_sfi/semi_analytical_sfi.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "tests/nodes/particle_fluid/modules/module_test_support.h"
 #include "tests/support/expect_error.h"
@@ -231,6 +232,40 @@ TEST(TwoProjections, WaterInABoxRests) {
     scene.node<StaticBoundary>("tank").report(report);
     const double weight = 1000 * 0.2 * 0.2 * 0.2 * 9.8;
     EXPECT_NEAR(report.statistics["force"].asArray()[1].asDouble(), -weight, 0.05 * weight) << name;
+  }
+}
+
+/// Archimedes: a cube of five spacings that is held is lifted by the weight of the water that it displaces.
+/// Where the water beside it sinks, it is lifted by more.
+TEST(TwoProjections, AHeldCubeIsLiftedByTheWeightOfItsWater) {
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    SimulatedScene scene(*device, R"({
+      "weir": 1, "world": {"dt": 0.002, "frame_rate": 10, "duration": 0.4},
+      "nodes": {
+        "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.24, 0.24, 0.24]}},
+        "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.24, 0.5, 0.24], "inverted": true}},
+        "cube": {"type": "BoxMesh", "params": {"min": [0.07, 0.07, 0.07], "max": [0.17, 0.17, 0.17]}},
+        "held": {"type": "SemiAnalyticalSFI"},
+        "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "rest_steps": 300},
+                  "modules": {"viscosity": {"enabled": false}, "solver": {"type": "TwoProjections"}}}
+      },
+      "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+                "cube.surface -> held.solids", "water.fluid -> held.fluid"]})");
+    scene->reset();
+    const std::atomic<bool> never = false;
+    double lift = 0;
+    int frames = 0;
+    while (scene->advanceFrame(never)) {
+      NodeReport report;
+      scene.node<SemiAnalyticalSFI>("held").report(report);
+      const double force =
+          report.statistics["solids"].asArray().front().find("force")->asArray()[1].asDouble();
+      if (++frames > 2) lift += force / 2;
+    }
+    const double weight = 1000 * 0.1 * 0.1 * 0.1 * 9.8;
+    std::printf("%s: lift over the weight of the water %.3f\n", name.c_str(), lift / weight);
+    EXPECT_NEAR(lift / weight, 1, 0.1) << name;
   }
 }
 
