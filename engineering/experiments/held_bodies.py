@@ -11,7 +11,8 @@ import numpy as np
 import weir
 
 # Sizes in spacings; m, s. ball=1: a ball of that diameter; size=0: none. mean: over the end of the run.
-SETTINGS = dict(size=5.0, ball=0.0, tank=20.0, spacing=0.02, ratio=2.0, dt=2e-3, duration=1.0, mean=0.7, rest=300.0, default=0.0)
+SETTINGS = dict(size=5.0, ball=0.0, tank=20.0, spacing=0.02, ratio=2.0, dt=2e-3, duration=1.0, mean=0.7, rest=300.0,
+                default=0.0)
 
 
 def volume_of(s):
@@ -41,7 +42,7 @@ def scene_of(s, solver):
         held = scene.add("SemiAnalyticalSFI", "held")
         if s["ball"]:
             t = np.linspace(0, np.pi, 33)
-            profile = [(float(half * np.sin(a)) if 0 < k < 32 else 0.0, float(-half * np.cos(a))) for k, a in enumerate(t)]
+            profile = [(float(half * np.sin(a)) if 0 < a < np.pi else 0.0, float(-half * np.cos(a))) for a in t]
             mesh = scene.add("TurningModel", "mesh", profile=profile, position=(middle, middle, middle))
         else:
             mesh = scene.add("BoxMesh", "mesh", min=(middle - half,) * 3, max=(middle + half,) * 3)
@@ -113,13 +114,14 @@ def main():
         floor.append(nodes["tank"]["force"][1])
         if s["size"]:
             lifts.append(nodes["held"]["solids"][0]["force"][1])
-    side = s["tank"] * s["spacing"]
-
-    weight = 9.8 * len(x) * s["spacing"] ** 3 * 1000
+    side, weight = s["tank"] * s["spacing"], 9.8 * len(x) * s["spacing"] ** 3 * 1000
     lift = 9.8 * 1000 * volume_of(s) if s["size"] else 0
-    print(*sys.argv[1:], f"({len(x)} particles):", f"lift {np.mean(lifts) / lift:.3f} (deviation {np.std(lifts) / lift:.2f}) of {lift:.1f} N;" if lifts else "",
-          f"tank {-np.mean(floor) / (weight + lift):.4f} of {weight + lift:.0f} N; all speeds {np.sqrt(np.mean(speeds)):.4f} m/s; rises, by half spacings: {rising};"
-          f" height {100 * (2 * np.mean(x[:, 1]) / side - 1):+.2f} % (first {100 * (2 * start / side - 1):+.2f}); {time.process_time() - began:.0f} s", flush=True)
+    high = [100 * (2 * height / side - 1) for height in (np.mean(x[:, 1]), start)]  # of a tank without a body
+    if lifts:
+        print(f"lift {np.mean(lifts) / lift:.3f} of {lift:.1f} N;", end=" ")
+    print(f"tank {-np.mean(floor) / (weight + lift):.4f} of {weight + lift:.0f} N; "
+          f"all speeds {np.sqrt(np.mean(speeds)):.4f} m/s; rises, by half spacings: {rising}; height {high[0]:+.2f} % (first {high[1]:+.2f}); {len(x)} particles, "
+          f"{time.process_time() - began:.0f} s", flush=True)
 
 
 if __name__ == "__main__":
