@@ -84,9 +84,12 @@ class Rising:
         self.add("body", far, v[beside])
 
     def __str__(self):
+        def mean(name, k):
+            count, total = self.sums[name, k]
+            return f"{total / max(count, 1):+.3f}"
+
         names = dict.fromkeys(name for name, _ in self.sums)
-        return "; ".join(f"{name} " + ", ".join(f"{self.sums[name, k][1] / max(self.sums[name, k][0], 1):+.3f}" for k in range(4))
-                         for name in names)
+        return "; ".join(f"{name} " + ", ".join(mean(name, k) for k in range(4)) for name in names)
 
 
 def main():
@@ -120,8 +123,9 @@ def main():
     if lifts:
         print(f"lift {np.mean(lifts) / lift:.3f} of {lift:.1f} N;", end=" ")
     print(f"tank {-np.mean(floor) / (weight + lift):.4f} of {weight + lift:.0f} N; "
-          f"all speeds {np.sqrt(np.mean(speeds)):.4f} m/s; rises, by half spacings: {rising}; height {high[0]:+.2f} % (first {high[1]:+.2f}); {len(x)} particles, "
-          f"{time.process_time() - began:.0f} s", flush=True)
+          f"all speeds {np.sqrt(np.mean(speeds)):.4f} m/s; rises, by half spacings: {rising}; "
+          f"height {high[0]:+.2f} % (first {high[1]:+.2f}); {len(x)} particles, {time.process_time() - began:.0f} s",
+          flush=True)
 
 
 if __name__ == "__main__":
