@@ -2,6 +2,9 @@
 // asked for more. Where they must be and are one box, as tanks mostly are, eight points ask it at once.
 #pragma once
 
+#include <cmath>
+#include <type_traits>
+
 #include "framework/base/api.h"
 #include "framework/compute/eight.h"
 #include "framework/compute/repeat.h"
@@ -33,12 +36,13 @@ template <class T>
 WEIR_HD T smaller(const T& a, const T& b) {
   return select(a < b, a, b);
 }
-WEIR_HD inline float magnitude(float a) {
-  return fabsf(a);
-}
 template <class T>
 WEIR_HD T magnitude(const T& a) {
-  return abs(a);
+  // Without std, C's abs() of whole numbers may be meant.
+  if constexpr (std::is_floating_point_v<T>)
+    return std::fabs(a);
+  else
+    return abs(a);
 }
 
 }  // namespace detail
@@ -90,7 +94,8 @@ WEIR_HD BoundaryHitOf<T> boxQuery(const BoundaryPiece& piece, const Vec3<T>& at)
   const Shape& box = piece.shape;
   const T zero(0.0f), one(1.0f);
   const Vec3<T> p = rotated(conjugate(box.rotation), at - spread<T>(box.position));
-  const Vec3<T> q{abs(p.x) - box.halfSize.x, abs(p.y) - box.halfSize.y, abs(p.z) - box.halfSize.z};
+  const Vec3<T> q{magnitude(p.x) - box.halfSize.x, magnitude(p.y) - box.halfSize.y,
+                  magnitude(p.z) - box.halfSize.z};
   const Vec3<T> sign{select(p.x < zero, -one, one), select(p.y < zero, -one, one),
                      select(p.z < zero, -one, one)};
   const Vec3<T> out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};

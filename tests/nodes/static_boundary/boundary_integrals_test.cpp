@@ -110,6 +110,16 @@ std::vector<Case> cases() {
           {"two planes that cross", {pieceOf(plane), pieceOf(wall)}, 0.1}};
 }
 
+TEST(FaceIntegrals, AreTheSameInDoublePrecision) {
+  for (float q = -1.25f; q < 1.25f; q += 0.0625f) {
+    const FaceIntegrals<float> single = faceIntegrals(q);
+    const FaceIntegrals<double> both = faceIntegrals(double(q));
+    EXPECT_NEAR(single.phi, both.phi, 1e-6) << q;
+    EXPECT_NEAR(single.slope, both.slope, 1e-5) << q;
+    EXPECT_NEAR(single.d, both.d, 1e-5) << q;
+  }
+}
+
 TEST(BoundaryIntegrals, AreThoseOfTheMatterBehindTheSurface) {
   for (const Case& of : cases()) {
     double worst = 0;

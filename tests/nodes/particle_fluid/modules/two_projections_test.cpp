@@ -207,20 +207,22 @@ std::vector<Vec3f> afterTheRun(SimulatedScene& scene, std::vector<Vec3f>* positi
   return particles.velocities().toHost(particles.bound());
 }
 
+const char* const kWaterInABox = R"({
+  "weir": 1, "world": {"dt": 0.002, "frame_rate": 5, "duration": 0.4},
+  "nodes": {
+    "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.2, 0.2]}},
+    "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.2, 1, 0.2],
+                                                  "inverted": true, "report_forces": true}},
+    "water": {"type": "ParticleFluid", "params": {"spacing": 0.025},
+              "modules": {"viscosity": {"enabled": false}, "solver": {"type": "TwoProjections"}}}
+  },
+  "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]})";
+
 /// The volume of water at rest, its calm, and its weight on the floor.
 TEST(TwoProjections, WaterInABoxRests) {
   for (const std::string& name : availableDevices()) {
     const auto device = openDevice(name);
-    SimulatedScene scene(*device, R"({
-      "weir": 1, "world": {"dt": 0.002, "frame_rate": 5, "duration": 0.4},
-      "nodes": {
-        "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.2, 0.2]}},
-        "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.2, 1, 0.2],
-                                                      "inverted": true, "report_forces": true}},
-        "water": {"type": "ParticleFluid", "params": {"spacing": 0.025},
-                  "modules": {"viscosity": {"enabled": false}, "solver": {"type": "TwoProjections"}}}
-      },
-      "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries"]})");
+    SimulatedScene scene(*device, kWaterInABox);
     std::vector<Vec3f> positions;
     const std::vector<Vec3f> velocities = afterTheRun(scene, &positions);
     double height = 0;
@@ -232,6 +234,21 @@ TEST(TwoProjections, WaterInABoxRests) {
     scene.node<StaticBoundary>("tank").report(report);
     const double weight = 1000 * 0.2 * 0.2 * 0.2 * 9.8;
     EXPECT_NEAR(report.statistics["force"].asArray()[1].asDouble(), -weight, 0.05 * weight) << name;
+  }
+}
+
+TEST(TwoProjections, WallsAreBitwiseTheSameForAllInstructionsOfTheCpu) {
+  std::vector<Vec3f> expected;
+  for (const CpuIsa isa : usableCpuIsas()) {
+    CpuDevice device(1, isa);
+    SimulatedScene scene(device, kWaterInABox);
+    scene->reset();
+    const std::atomic<bool> never = false;
+    ASSERT_TRUE(scene->advanceFrame(never));
+    const ParticleSet& particles = scene.node<ParticleFluid>("water").fluid->set();
+    const std::vector<Vec3f> positions = particles.positions().toHost(particles.bound());
+    if (expected.empty()) expected = positions;
+    EXPECT_EQ(positions, expected);
   }
 }
 
