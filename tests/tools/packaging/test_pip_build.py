@@ -41,8 +41,8 @@ class PipBuild(unittest.TestCase):
     def test_all_options_are_known(self):
         self.assertNotIn("not used by the project", self.said)
 
-    def test_all_sources_read_headers_that_are_compiled_beforehand(self):
-        without = [file for file, command in self.commands.items() if "/cmake_pch.hxx " not in command]
+    def test_all_sources_of_libraries_read_headers_that_are_compiled_beforehand(self):
+        without = [file for file, command in self.commands.items() if "/cmake_pch.hxx " not in command and "/apps/weir/" not in file]
         self.assertEqual(without, [])
 
     @unittest.skipUnless(platform.machine() == "x86_64", "other processors have kernels of one kind")
