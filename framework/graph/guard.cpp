@@ -6,6 +6,7 @@
 #include "framework/base/error.h"
 #include "framework/base/interruption.h"
 #include "framework/base/text.h"
+#include "framework/communication/communicator.h"
 
 namespace weir {
 
@@ -20,6 +21,8 @@ void callGuarded(std::string_view source, const std::function<std::string()>& pa
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const Interrupted&) {
+    throw;
+  } catch (const RanksEnded&) {
     throw;
   } catch (const std::exception& e) {
     throw simulationError("it threw an exception: " + printable(e.what(), 500)).at({.part = part()});

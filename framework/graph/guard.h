@@ -14,7 +14,7 @@ inline constexpr std::string_view kOwnSource = "weir";
 
 /// Calls f, which runs code of `source`. If that is a plugin, an Error gains `part()`, such as
 /// "module 'lift' (plugin lift)", and any other exception becomes a simulation Error with it; only
-/// std::bad_alloc passes as it is. What comes from Weir's own code passes as it is.
+/// std::bad_alloc, Interrupted and RanksEnded pass as they are, and all from Weir's own code.
 ///
 /// Errors that name a file say enough by it and pass as they are, if `filesSayEnough`.
 void callGuarded(std::string_view source, const std::function<std::string()>& part,

@@ -1,7 +1,5 @@
 #include "framework/run/guarded_output.h"
 
-#include <exception>
-#include <functional>
 #include <utility>
 
 #include "framework/base/check.h"
@@ -30,45 +28,32 @@ class GuardedObserver final : public Observer {
   std::string name() const override { return name_; }
   std::string_view stateName() const override { return stateName_; }
   void begin(Simulation& simulation) override {
-    call("begin", [&] { observer_->begin(simulation); });
+    part_.call("begin", [&] { observer_->begin(simulation); });
   }
   void save(const StateWriter& to) override {
-    call("save", [&] { observer_->save(to); });
+    part_.call("save", [&] { observer_->save(to); });
   }
   void resume(Simulation& simulation, const StateReader& from) override {
-    call("resume", [&] { observer_->resume(simulation, from); });
+    part_.call("resume", [&] { observer_->resume(simulation, from); });
   }
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
     std::unique_ptr<Snapshot> snapshot;
-    call("capture", [&] { snapshot = observer_->capture(simulation, std::move(used)); });
+    part_.call("capture", [&] { snapshot = observer_->capture(simulation, std::move(used)); });
     return snapshot;
   }
   void write(Snapshot& snapshot) override {
-    call("write", [&] { observer_->write(snapshot); });
+    part_.call("write", [&] { observer_->write(snapshot); });
   }
   std::vector<OutputPart> writeParts() const override {
     std::vector<OutputPart> parts;
-    call("writeParts", [&] { parts = observer_->writeParts(); });
+    part_.call("writeParts", [&] { parts = observer_->writeParts(); });
     return parts;
   }
   void end(Simulation& simulation, RunEnd how) override {
-    call("end", [&] { observer_->end(simulation, how); });
+    part_.call("end", [&] { observer_->end(simulation, how); });
   }
 
  private:
-  /// That another rank has failed is no mistake of the observer's, and goes on as it is.
-  void call(std::string_view hook, const std::function<void()>& f) const {
-    std::exception_ptr ended;
-    part_.call(hook, [&] {
-      try {
-        f();
-      } catch (const RanksEnded&) {
-        ended = std::current_exception();
-      }
-    });
-    if (ended) std::rethrow_exception(ended);
-  }
-
   std::unique_ptr<Observer> observer_;
   GuardedPart part_;
   std::string name_, stateName_;
