@@ -38,8 +38,6 @@ void ExportOfRanks::begin() {
 }
 
 void ExportOfRanks::prepare(const VtkHdfLayout& layout, const ExportTexts& texts) {
-  if (prepared_) return;
-  prepared_ = true;
   layout_ = layout;
   texts_ = texts;
   if (rank() == 0) {

@@ -35,8 +35,8 @@ class ExportOfRanks {
   // All ranks make these calls together, on the thread of the simulation.
   /// Makes the folder. Throws an io Error if the named file cannot be written.
   void begin();
-  /// Before a rank writes: where frames are there, the named file has them from now on, and otherwise it is
-  /// gone, as it would name what is about to change.
+  /// Once, before a rank writes: where frames are there, the named file has them from now on, and otherwise
+  /// it is gone, as it would name what is about to change.
   void prepare(const VtkHdfLayout& layout, const ExportTexts& texts);
   /// What all have in this frame, of which this rank has so many particles of each source.
   FrameOfRanks share(const std::vector<std::int64_t>& counts, std::int64_t written);
@@ -71,7 +71,6 @@ class ExportOfRanks {
   Communicator& ranks_;
   VtkHdfLayout layout_;
   ExportTexts texts_;
-  bool prepared_ = false;
   // Of rank 0.
   std::vector<VirtualStep> steps_;
   std::vector<std::int64_t> rowsOfRanks_;  // behind the last step

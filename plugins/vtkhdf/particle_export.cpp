@@ -148,8 +148,6 @@ class ParticleExport::Frame final : public Snapshot {
   }
 
   /// Waits until all has arrived. Rounds positions to multiples of `grid`, if it is not 0.
-  const std::vector<std::int64_t>& counts() const { return counts_; }
-
   VtkHdfFrame finish(float grid) {
     VtkHdfFrame frame{.time = time_, .positions = positions_.wait(), .attributes = {}, .fields = {}};
     if (grid > 0) frame.positions = rounded(frame.positions, grid);
@@ -280,7 +278,7 @@ std::int64_t ParticleExport::countOf(const Source& source) const {
 }
 
 void ParticleExport::prepareRanks() {
-  ranks_->prepare(layout(), texts());
+  if (!std::exchange(prepared_, true)) ranks_->prepare(layout(), texts());
 }
 
 void ParticleExport::chooseSources() {
@@ -381,8 +379,8 @@ void ParticleExport::openFile() {
 }
 
 void ParticleExport::end(Simulation& simulation, RunEnd how) {
-  // After a failure the writer may have given up, and the frames that are there matter more than a report.
   if (ranks_) return endOnRanks(simulation, how);
+  // After a failure the writer may have given up, and the frames that are there matter more than a report.
   if (file_.isOpen() && how != RunEnd::kFailed)
     file_.writer().setText("statistics", writeJson(runStatistics(simulation, how)));
   file_.close();

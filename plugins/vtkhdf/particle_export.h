@@ -86,8 +86,9 @@ class ParticleExport final : public Observer {
   const ExportSettings* settings_ = nullptr;
   const ExportSettings defaults_;
   std::optional<ExportOfRanks> ranks_;
-  ExportFile file_;      // the named one, or this rank's
-  std::string runText_;  // of the files of ranks, see kRunText
+  ExportFile file_;        // the named one, or this rank's
+  std::string runText_;    // of the files of ranks, see kRunText
+  bool prepared_ = false;  // they are
   std::atomic<std::int64_t> written_ = 0;
   std::vector<Source> sources_;
   std::vector<AttributeInfo> columns_;  // but the position; chosen before the first frame is written
