@@ -20,7 +20,7 @@ namespace weir::projection {
 struct NearWalls {
   static constexpr int kMost = 3, kBase = 256;
   float distance[kMost] = {0, 0, 0};  ///< m
-  int key[kMost] = {0, 0, 0};         ///< of a wall; 0 is none
+  int key[kMost] = {0, 0, 0};         ///< of a wall; 0 is none; every 255th has the same
 
   NearWalls() = default;
   WEIR_HD NearWalls(const Vec3f& distances, float keys) : distance{distances.x, distances.y, distances.z} {
@@ -28,7 +28,7 @@ struct NearWalls {
     for (int& one : key) one = rest % kBase, rest /= kBase;
   }
   WEIR_HD Vec3f distances() const { return {distance[0], distance[1], distance[2]}; }
-  /// As digits of a whole number.
+  /// As digits of a whole number below 2²⁴, which a float holds, as what ranks exchange are floats.
   WEIR_HD float keys() const { return static_cast<float>(key[0] + kBase * (key[1] + kBase * key[2])); }
   /// Of wall `number`, in the place of the farthest if there are three that are nearer.
   WEIR_HD void add(float y, int number) {

@@ -1,10 +1,9 @@
 // What the passes of TwoProjections (two_projections.h) know of each particle, and sums over its pairs.
 #pragma once
 
-#include "nodes/particle_fluid/modules/projection_mirrors.h"
-
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/displacement.h"
+#include "nodes/particle_fluid/modules/projection_mirrors.h"
 
 namespace weir {
 
