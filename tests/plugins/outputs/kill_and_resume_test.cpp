@@ -14,6 +14,7 @@
 
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/vtkhdf_writer.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/plugins/video/video_tools.h"
 #include "tests/support/devices.h"
@@ -132,6 +133,17 @@ TEST_P(KillAndResume, EndsAsARunThatWasLeftAlone) {
 }
 
 WEIR_ON_EVERY_DEVICE(KillAndResume);
+
+TEST(KilledEarly, ExportsOfNoStepAndOfOneAreReadable) {
+  const TemporaryFolder folder;
+  const std::string none = folder / "none.vtkhdf", one = folder / "one.vtkhdf";
+  VtkHdfWriter(none, {.fields = {{"particles", 1}}}).close();
+  EXPECT_EQ(expectReadable(none), 0u);
+  const ChildResult run = runWeir({"run", folder.write("scene.json", kStateful), "--device", "cpu", "--quiet",
+                                   "--frames", "0", "--export", one});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(expectReadable(one), 1u);
+}
 
 }  // namespace
 }  // namespace weir::test

@@ -107,9 +107,8 @@ std::size_t expectReadable(const std::string& file) {
   // The first one, which has the oldest VTK: read_with_vtk.py has all of them read a file.
   std::istringstream pythons(WEIR_TEST_PYTHONS);
   if (std::string python; std::getline(pythons, python, ':')) {
-    const ChildResult result = runChild(python, {"-B", WEIR_READ_STEPS, file});
+    const ChildResult result = runChild(python, {"-B", WEIR_READ_STEPS, file, std::to_string(steps)});
     EXPECT_EQ(result.code, 0) << result.out << result.err;
-    EXPECT_EQ(result.out, std::to_string(steps) + "\n");
   }
   return steps;
 }

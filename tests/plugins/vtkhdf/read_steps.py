@@ -1,8 +1,9 @@
-"""Reads all steps of an export of a run with VTK's own reader, and prints how many there are.
+"""Reads all steps of an export of a run with VTK's own reader.
 
-usage: read_steps.py FILE.vtkhdf
+usage: read_steps.py FILE.vtkhdf STEPS
 
-Exits with an error if a step has another number of particles than was written, or lacks a point's velocity.
+Exits with an error if the file does not hold STEPS steps, or if one has another number of particles than was written,
+or lacks a point's velocity.
 """
 
 import sys
@@ -11,13 +12,18 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 
-def main(file):
+def main(file, steps):
     reader = vtkHDFReader()
     if not reader.CanReadFile(file):
         sys.exit(f"VTK cannot read {file}")
+    if steps == 0:
+        return  # VTK takes any file for one of a step at least
     reader.SetFileName(file)
     reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or ()
+    # Without times VTK takes a file of one step for one that stands still.
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or (0.0,)
+    if not len(times) == reader.GetNumberOfSteps() == steps:
+        sys.exit(f"there are {len(times)} times and {reader.GetNumberOfSteps()} steps in place of {steps}")
     for time in times:
         reader.UpdateTimeStep(time)
         data = reader.GetOutput()
@@ -27,8 +33,7 @@ def main(file):
         velocity = data.GetPointData().GetArray("velocity")
         if points != written or velocity.GetNumberOfTuples() != written:
             sys.exit(f"at {time} s there are {points} particles, and {written} were written")
-    print(len(times))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], int(sys.argv[2]))
