@@ -10,7 +10,9 @@ class Allowance {
  public:
   using Clock = std::chrono::steady_clock;
   using Seconds = std::chrono::duration<double>;
-  static constexpr Seconds kMax{0.25};  ///< what can be saved
+  static constexpr Seconds kMax{0.1};  ///< what can be saved
+  /// Who had to wait goes on with so much: fewer, longer turns disturb a simulation less than one a message.
+  static constexpr Seconds kTurn{0.002};
   static constexpr Seconds kLongestWait{2};
 
   explicit Allowance(Clock::time_point now) : at_(now) {}

@@ -13,7 +13,7 @@ namespace weir::studio {
 namespace {
 
 constexpr std::size_t kMaxVideoFrames = 2;  // that wait; then the simulation does
-constexpr int kPainterNice = 10;
+constexpr int kPainterNice = 15;
 
 Error noPictures() {
   return ioError("this Weir cannot draw pictures: no plugin that does is loaded", "the plugin 'rendering'",

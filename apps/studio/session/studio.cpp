@@ -195,7 +195,7 @@ void Studio::message(ClientId client, std::string_view text) {
 }
 
 double Studio::shareOf(ClientId client) const {
-  constexpr double kWriter = 0.1, kViewer = 0.02;
+  constexpr double kWriter = 0.05, kViewer = 0.01;
   return writer_ == client ? kWriter : kViewer;
 }
 
