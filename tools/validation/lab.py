@@ -62,6 +62,7 @@ class Outcome:
     rows: list
     charts: tuple = ()
     picture: Path | None = None
+    judged: bool = True  # False where the runs tell nothing
 
 
 class Particles:
@@ -103,12 +104,12 @@ class Lab:
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
         self.full, self._say = full, say
         self.seconds = 0.0  # of simulation, those of runs that were there already too
-        self.machine = device
+        self.machine = None  # until a run has ended
 
-    def on(self, device):
-        """The same on this device; its seconds and machine are not those of this one."""
+    def of_one_check(self):
+        """The same, which counts seconds and knows the machine of its own runs alone."""
         other = copy.copy(self)
-        other.device = device
+        other.seconds, other.machine = 0.0, None
         return other
 
     def scale(self, quick, full):

@@ -6,7 +6,6 @@ import json
 import math
 import shlex
 import shutil
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from lab import ROOT, Lab, Outcome, Row
 import at_rest
 import floating
 import in_motion
+import kept
 import program
 import report
 import surfaces
@@ -85,6 +85,10 @@ def arguments(argv):
                         help="where all is written")
     parser.add_argument("--reuse", action="store_true",
                         help="do not repeat runs that are there already, maybe by another build")
+    parser.add_argument("--resume", action="store_true",
+                        help="after a call that was cut off: take the checks that the same commit has done on the same device at "
+                        "the same scale, and do the rest")
+    parser.add_argument("--commit", metavar="C", help="the commit of the program, where this folder is no clone of git")
     parser.add_argument("--threads", type=int, metavar="N", help="threads on the CPU")
     parser.add_argument("--jobs", type=int, default=1, metavar="N",
                         help="run that many simulations at a time, with --threads of a part of the cores each")
@@ -109,6 +113,12 @@ def arguments(argv):
         parser.error(f"--jobs: {parsed.jobs} is not allowed; at least 1")
     if parsed.limit is not None and parsed.limit <= 0:
         parser.error(f"--limit: {parsed.limit:g} s is not allowed; more than 0")
+    if parsed.resume and parsed.reuse:
+        parser.error("--reuse: runs of it may be another build's, so it cannot be given with --resume")
+    parsed.commit = parsed.commit or kept.commit_of(ROOT)
+    if parsed.resume and (not parsed.commit or parsed.commit.endswith(kept.CHANGED)):
+        parser.error(f"--resume: the commit is {parsed.commit or 'not known'}, so checks of this program cannot be told from "
+                     "others; commit the changes, or name the commit by --commit")
     parsed.checks = [check for check in CHECKS if not wanted or check.key in wanted]
     return parsed
 
@@ -118,7 +128,19 @@ def outcome_of(check, lab):
     try:
         return check.run(lab)
     except (KeyError, IndexError, ValueError, ZeroDivisionError) as e:
-        return Outcome([Row(f"the results cannot be judged ({type(e).__name__}: {e})", math.nan, below=0)])
+        return Outcome([Row(f"the results cannot be judged ({type(e).__name__}: {e})", math.nan, below=0)], judged=False)
+
+
+def result_of(check, lab, store, resume):
+    """Taken from the store where that is asked for and it is there, or else made. What may be of another build, and what
+    cannot be judged, as a run that took too long cannot, is not stored."""
+    if resume and (found := store.read(check.key)):
+        return found
+    outcome = outcome_of(check, lab)
+    result = kept.Result(outcome, lab.seconds, lab.machine, str(datetime.date.today()))
+    if outcome.judged and not lab.reuse:
+        store.write(check.key, result)
+    return result
 
 
 def pictures_of(check, outcome, out):
@@ -152,28 +174,31 @@ def write_docs(results, done, out, drawn):
 
 
 def judged(options, device, out, drawn, say):
-    """All checks on a device: [(check, outcome, names of pictures)], and the lab."""
+    """All checks on a device: [(check, outcome, names of pictures)], and the result of each."""
     out.mkdir(parents=True, exist_ok=True)
-    done = []
+    store = kept.Kept(out, options.commit, device, options.scale, drawn)
+    done, results = [], []
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
                 options.jobs, drawn, options.limit) as lab:  # left first: the checks of a run that failed wait for no others
         begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
-        outcomes = {check.key: checking.submit(outcome_of, check, lab) for check in begun}
+        pending = {check.key: checking.submit(result_of, check, lab.of_one_check(), store, options.resume) for check in begun}
         for check in options.checks:
             say(f"{check.title}, {device}")
-            outcome = outcomes[check.key].result()
+            results.append(pending[check.key].result())
+            outcome = results[-1].outcome
             for row in outcome.rows:
                 say(f"  {report.verdict(row.passed):6} {row.what}: {report.number(row.measured)} {row.unit}")
             undrawn = pictures_of_page(check) if options.docs else []
             done.append((check, outcome, pictures_of(check, outcome, out) if drawn else undrawn))
-    return done, lab
+    return done, results
 
 
-def made_today():
-    """The day, and the commit where that is known."""
-    head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True, check=False)
-    return ", ".join(filter(None, [str(datetime.date.today()), head.stdout.strip()]))
+def results_as_json(done, results, command, device, commit):
+    """What report.as_json says of them all, as one run's."""
+    machines = dict.fromkeys(result.machine for result in results if result.machine)
+    made = ", ".join(filter(None, [max(result.day for result in results), commit]))
+    return report.as_json(done, command, "; ".join(machines) or device, sum(result.seconds for result in results), made)
 
 
 def results_of(path):
@@ -189,7 +214,7 @@ def results_of(path):
 def main(argv):
     options = arguments(argv)
     beside = [results_of(path) for path in options.beside]
-    command = shlex.join(["./dev", "validate", *argv[2:]])
+    command = shlex.join(["./dev", "validate", *(word for word in argv[2:] if word != "--resume")])
     base = options.out.resolve() / options.scale
 
     def say(text):
@@ -198,8 +223,8 @@ def main(argv):
     pages = []
     for k, device in enumerate(options.devices):
         out = base / device if k else base
-        done, lab = judged(options, device, out, not (k or options.no_plots), say)
-        results = report.as_json(done, command, lab.machine, lab.seconds, made_today())
+        done, made = judged(options, device, out, not (k or options.no_plots), say)
+        results = results_as_json(done, made, command, device, options.commit)
         (out / "results.json").write_text(results, encoding="utf-8")
         pages.append((done, json.loads(results)))
     done, first = pages[0]

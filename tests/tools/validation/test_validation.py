@@ -17,11 +17,12 @@ sys.path.insert(0, str(ROOT / "tools" / "validation"))
 import validate  # noqa: E402  (it finds all others)
 import at_rest  # noqa: E402
 import in_motion  # noqa: E402
+import kept  # noqa: E402
 import program  # noqa: E402
 import report  # noqa: E402
 import scene as scenes  # noqa: E402
 import waves  # noqa: E402
-from lab import SCENES, Lab, Outcome, Row, mean_force  # noqa: E402
+from lab import SCENES, Chart, Lab, Outcome, Row, mean_force  # noqa: E402
 
 try:
     import numpy
@@ -199,7 +200,6 @@ class Reports(unittest.TestCase):
     def test_the_page_says_when_it_was_made(self):
         text = report.as_json(self.DONE, "./dev validate", "a machine", 60, "2001-02-03, abc")
         self.assertIn("on a machine (2001-02-03, abc) in 1.0 minutes", report.markdown(self.DONE, [json.loads(text)]))
-        self.assertTrue(validate.made_today().startswith("20"))
 
     def test_the_json_holds_the_same(self):
         check = self.results("m")["checks"][0]
@@ -215,6 +215,132 @@ class Reports(unittest.TestCase):
         self.assertIn("| b |  | – | – | 2 | – | – | – | – | – | – |", page)
         widths = {line.count("|") for line in page.splitlines() if line.startswith("|")}
         self.assertEqual(widths, {12})
+
+
+class CutOff(unittest.TestCase):
+    """Of three stand-ins for checks the third is cut off, until `cut` is empty; `made` counts how often each was made."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder, self.made, self.cut = Path(folder.name), [], {"third"}
+        stand_in = self.folder / "weir"
+        stand_in.write_text(
+            f"#!{sys.executable}\nimport json, sys\na = sys.argv\n"
+            "json.dump({'device': {'description': 'a machine'}, 'wall_seconds': 0.1}, open(a[a.index('--stats') + 1], 'w'))\n")
+        stand_in.chmod(0o755)
+
+        def check_of(name, value):
+            def run(lab):
+                """Nothing is compared."""
+                self.made.append(name)
+                lab.run(name, "validation/drop").stats  # noqa: B018
+                if name in self.cut:
+                    raise KeyboardInterrupt
+                return Outcome([Row("a", value, "m", 1.1, 0.05), Row("b", 1 / 3, below=1)])
+            return validate.Check(name, name.capitalize(), run)
+        checks = [check_of("first", 1.07), check_of("second", 2.0), check_of("third", 1.1)]
+        patch = mock.patch.object(validate, "CHECKS", checks)
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def call(self, *more, out="out", commit="c"):
+        self.made.clear()
+        with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+            return validate.main(["--weir", str(self.folder / "weir"), "--device", "cpu", "--no-plots", "--commit", commit,
+                                  "--out", str(self.folder / out), *more])
+
+    def cut_off(self, *more, **options):
+        with self.assertRaises(KeyboardInterrupt):
+            self.call(*more, **options)
+
+    def texts(self, out):
+        """Both files, without the name of the folder."""
+        return [(self.folder / out / "quick" / name).read_text(encoding="utf-8").replace(str(self.folder / out), "DIR")
+                for name in ("README.md", "results.json")]
+
+    def test_a_call_that_was_cut_off_goes_on_and_writes_what_one_call_does(self):
+        self.cut_off()
+        self.cut.clear()
+        self.assertEqual(self.call("--resume"), 1)
+        self.assertEqual(self.made, ["third"])
+        self.assertEqual(self.call(out="at_once"), 1)
+        self.assertEqual(self.made, ["first", "second", "third"])
+        self.assertEqual(self.texts("out"), self.texts("at_once"))
+
+    def test_several_at_a_time_are_kept_as_each_ends(self):
+        self.cut_off("--jobs", "3")
+        self.cut.clear()
+        self.call("--jobs", "3", "--resume")
+        self.assertEqual(self.made, ["third"])
+
+    def test_without_being_asked_all_is_made_again(self):
+        self.cut_off()
+        self.cut.clear()
+        self.call()
+        self.assertEqual(len(self.made), 3)
+
+    def test_what_another_commit_device_or_scale_made_is_made_again(self):
+        for more, commit in (((), "d"), (("--device", "cuda"), "c"), (("--scale", "full"), "c")):
+            self.cut.add("third")
+            self.cut_off()
+            self.cut.clear()
+            self.call("--resume", *more, commit=commit)
+            self.assertEqual(len(self.made), 3, more)
+
+    def test_what_cannot_be_judged_or_may_be_of_another_build_is_not_kept(self):
+        self.cut.clear()
+        self.call("--limit", "1e-9")  # no run ends
+        self.call("--resume")
+        self.assertEqual(len(self.made), 3)
+        self.call("--reuse", out="reused")
+        self.call("--resume", out="reused")
+        self.assertEqual(len(self.made), 3)
+
+    def test_files_that_cannot_be_read_do_not_count(self):
+        self.cut.clear()
+        self.call()
+        (self.folder / "out" / "quick" / "checks" / "second.json").write_text('{"key": "second"', encoding="utf-8")
+        self.call("--resume")
+        self.assertEqual(self.made, ["second"])
+
+    def test_it_is_refused_where_commits_cannot_be_told_apart(self):
+        for commit, said_of_it in (("", "not known"), ("abc-changed", "abc-changed")):
+            with mock.patch.object(kept, "commit_of", lambda folder, commit=commit: commit), \
+                    self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
+                validate.arguments(["--weir", "w", "--resume"])
+            self.assertIn(f"the commit is {said_of_it}", said.getvalue())
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
+            validate.arguments(["--weir", "w", "--commit", "c", "--resume", "--reuse"])
+
+    def test_pictures_and_curves_are_kept(self):
+        picture = self.folder / "run" / "frame.png"
+        picture.parent.mkdir()
+        picture.touch()
+        curves = (("closed form", [0.0, 1.0], [math.nan, 1 / 3], "k-"),)
+        if numpy:
+            curves += (("found", numpy.array([1, 2], dtype=numpy.float32), [numpy.float64(0.1)], "o"),)
+        outcome = Outcome([Row("a", math.nan, below=1, note="n")], (Chart("t", "x", "y", curves),), picture)
+        kept.Kept(self.folder, "c", "cpu", "quick", drawn=True).write("drop", kept.Result(outcome, 2.5, "m", "2001-02-03"))
+        found = kept.Kept(self.folder, "c", "cpu", "quick", drawn=True).read("drop")
+        self.assertEqual((found.seconds, found.machine, found.day), (2.5, "m", "2001-02-03"))
+        self.assertEqual(found.outcome.picture, picture)
+        self.assertTrue(math.isnan(found.outcome.rows[0].measured))
+        self.assertEqual(found.outcome.rows[0].note, "n")
+        for (label, xs, ys, style), now in zip(curves, found.outcome.charts[0].curves, strict=True):
+            self.assertEqual((label, [*map(str, map(float, xs))], [*map(str, map(float, ys))], style),
+                             (now[0], [*map(str, now[1])], [*map(str, now[2])], now[3]))
+        picture.unlink()
+        self.assertIsNone(kept.Kept(self.folder, "c", "cpu", "quick", drawn=True).read("drop"))
+
+    def test_numbers_alone_do_not_do_where_pictures_are_wanted(self):
+        result = kept.Result(Outcome([Row("a", 1.0)]), 2.5, "m", "2001-02-03")
+        kept.Kept(self.folder, "c", "cpu", "quick", drawn=False).write("drop", result)
+        self.assertIsNone(kept.Kept(self.folder, "c", "cpu", "quick", drawn=True).read("drop"))
+        self.assertIsNotNone(kept.Kept(self.folder, "c", "cpu", "quick", drawn=False).read("drop"))
+
+    def test_a_commit_is_that_of_the_folder_itself(self):
+        self.assertEqual(kept.commit_of(self.folder), "")
 
 
 class SeveralDevices(unittest.TestCase):
