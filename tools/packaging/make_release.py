@@ -1,6 +1,6 @@
 """Makes a release of the checked-out commit: writes its version wherever it stands, dates its part of CHANGELOG.md, commits, and tags.
 
-  make_release.py VERSION [--date YYYY-MM-DD]      `./dev release VERSION` packs it, too
+`./dev release VERSION` packs it, too.
 
 Nothing is changed where something is in the way. What it made is a commit and a tag here: to undo it, `git tag -d vVERSION` and
 `git reset --hard HEAD~1`; to publish it, push both.
@@ -89,9 +89,11 @@ def make(version, date):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("version")
-    parser.add_argument("--date", default=datetime.date.today().isoformat(), type=lambda text: datetime.date.fromisoformat(text).isoformat())
+    parser = argparse.ArgumentParser(prog="./dev release", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("version", help="such as 1.2.3")
+    parser.add_argument("--date", metavar="YYYY-MM-DD", help="of CHANGELOG.md; today, else",
+                        default=datetime.date.today().isoformat(), type=lambda text: datetime.date.fromisoformat(text).isoformat())
     arguments = parser.parse_args()
     try:
         make(arguments.version, arguments.date)
