@@ -14,7 +14,8 @@ namespace weir::rendering {
 /// Particles are counted by cell in a count-min sketch (G. Cormode and S. Muthukrishnan, Journal of
 /// Algorithms 55, 2005), which needs no bounds of the fluid: of three tables, each by another hash, the least
 /// count of a cell is taken. It is never too small; where it is too large, in about 3 of 1,000 of them, a
-/// lone particle is taken for one of the others.
+/// lone particle is taken for one of the others. A grid that wraps around (framework/neighbors/cell_grid.h)
+/// would not do, as drops that fly high share its cells with the water below.
 class LoneParticles {
  public:
   explicit LoneParticles(Device& device)
