@@ -69,11 +69,14 @@ CHECKS = [
 ]
 
 
-def arguments(argv):
-    keys = ", ".join(check.key for check in CHECKS)
+def all_keys():
+    return ", ".join(check.key for check in CHECKS)
+
+
+def options_parser():
     parser = argparse.ArgumentParser(
         prog="./dev validate", description="Run scenes whose answers are known, and compare. Exit code 1 if one differs.",
-        epilog=f"The checks: {keys}.")
+        epilog=f"The checks: {all_keys()}.")
     parser.add_argument("--scale", choices=("quick", "full"), default="quick",
                         help="quick: minutes on a CPU, the default; full: finer, for a GPU")
     parser.add_argument("--device", default="auto", metavar="D", help="auto, cpu, cuda or cuda:N; of several, as cpu,cuda, "
@@ -99,11 +102,16 @@ def arguments(argv):
     parser.add_argument("--docs", action="store_true",
                         help="write the table and the pictures into engineering/validation.md, too; needs all checks")
     parser.add_argument("--weir", type=Path, required=True, metavar="FILE", help="the program")
+    return parser
+
+
+def arguments(argv):
+    parser = options_parser()
     parsed = parser.parse_args(argv)
     wanted = [key.strip() for key in parsed.only.split(",") if key.strip()]
     unknown = set(wanted) - {check.key for check in CHECKS}
     if unknown:
-        parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {keys}")
+        parser.error(f"--only: there is no check {', '.join(sorted(unknown))}; allowed: {all_keys()}")
     if wanted and parsed.docs:
         parser.error("--docs: the page shows all checks, so --only cannot be given with it")
     parsed.devices = [device.strip() for device in parsed.device.split(",")]
