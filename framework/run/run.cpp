@@ -81,58 +81,78 @@ void begin(Observer& observer, Simulation& simulation, const StateArrays* state)
     observer.begin(simulation);
 }
 
-RunEnd runFrames(Simulation& simulation, std::span<Observer* const> observers, Outputs& outputs,
-                 const RunOptions& options) {
-  const std::atomic<bool> never = false;
-  const std::atomic<bool>& stop = options.stop != nullptr ? *options.stop : never;
-  const std::int64_t last = lastFrameOf(simulation.clock(), options);
-  const auto showProgress = [&] {
-    if (options.onProgress) options.onProgress(simulation);
-  };
-  const auto afterStep = [&] {
-    outputs.errors.rethrowIfAny();
-    showProgress();
-  };
-  bool saved = false;
-  const auto showFrame = [&] {
-    outputs.showFrame(simulation);
-    const bool ends = options.saveAndStop != nullptr && *options.saveAndStop;
-    const bool isDue = options.checkpoints != nullptr && (ends || options.checkpoints->isDue(simulation));
-    const bool saves = options.atFrame ? options.atFrame(simulation, isDue) : isDue;
-    if (saves) outputs.wait();
-    if (isDue) {
-      options.checkpoints->write(simulation, observers);
-      saved = ends;
-    } else if (saves) {
-      StateArrays ofAnotherRank;
-      saveOutputs(observers, StateWriter(ofAnotherRank).in(kOutputStates));
+/// The frames of a run, for observers that have begun.
+class FrameLoop {
+ public:
+  FrameLoop(Simulation& simulation, std::span<Observer* const> observers, Outputs& outputs,
+            const RunOptions& options)
+      : simulation_(simulation), observers_(observers), outputs_(outputs), options_(options) {}
+
+  RunEnd run() {
+    if (options_.nextFrame) return showReplay();
+    const std::int64_t last = lastFrameOf(simulation_.clock(), options_);
+    start();
+    const std::atomic<bool> never = false;
+    const std::atomic<bool>& stop = options_.stop != nullptr ? *options_.stop : never;
+    const auto afterStep = [this] {
+      outputs_.errors.rethrowIfAny();
+      showProgress();
+    };
+    while (simulation_.frame() < last) {
+      if (savedToStop_ || !simulation_.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
+      showFrame();
     }
-    showProgress();
-  };
-  if (options.nextFrame) {
-    while (options.nextFrame(simulation)) {
-      if (stop) return RunEnd::kInterrupted;
+    const bool whole = last == simulation_.clock().frameCount();
+    if (whole && !simulation_.finishRest(stop, afterStep)) return RunEnd::kInterrupted;
+    return RunEnd::kFinished;
+  }
+
+ private:
+  RunEnd showReplay() {
+    while (options_.nextFrame(simulation_)) {
+      if (options_.stop != nullptr && *options_.stop) return RunEnd::kInterrupted;
       showFrame();
     }
     return RunEnd::kFinished;
   }
-  if (options.resume != nullptr) {
-    simulation.resume(StateReader(*options.resume), options.lastFrame);
+
+  void start() {
+    if (options_.resume != nullptr) {
+      simulation_.resume(StateReader(*options_.resume), options_.lastFrame);
+      showProgress();
+      return;
+    }
+    if (!options_.proceed) simulation_.reset(options_.lastFrame);
+    simulation_.refresh();
+    showFrame();
+  }
+
+  void showProgress() {
+    if (options_.onProgress) options_.onProgress(simulation_);
+  }
+
+  void showFrame() {
+    outputs_.showFrame(simulation_);
+    const bool ends = options_.saveAndStop != nullptr && *options_.saveAndStop;
+    const bool isDue = options_.checkpoints != nullptr && (ends || options_.checkpoints->isDue(simulation_));
+    const bool saves = options_.atFrame ? options_.atFrame(simulation_, isDue) : isDue;
+    if (saves) outputs_.wait();
+    if (isDue) {
+      options_.checkpoints->write(simulation_, observers_);
+      savedToStop_ = ends;
+    } else if (saves) {
+      StateArrays ofAnotherRank;
+      saveOutputs(observers_, StateWriter(ofAnotherRank).in(kOutputStates));
+    }
     showProgress();
-  } else {
-    if (!options.proceed) simulation.reset(options.lastFrame);
-    simulation.refresh();
-    showFrame();
   }
-  while (simulation.frame() < last) {
-    if (saved) return RunEnd::kInterrupted;
-    if (!simulation.advanceFrame(stop, afterStep)) return RunEnd::kInterrupted;
-    showFrame();
-  }
-  const bool whole = last == simulation.clock().frameCount();
-  if (whole && !simulation.finishRest(stop, afterStep)) return RunEnd::kInterrupted;
-  return RunEnd::kFinished;
-}
+
+  Simulation& simulation_;
+  const std::span<Observer* const> observers_;
+  Outputs& outputs_;
+  const RunOptions& options_;
+  bool savedToStop_ = false;
+};
 
 }  // namespace
 
@@ -146,7 +166,7 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
       outputs.add(*observer);
     }
     if (options.checkpoints != nullptr) options.checkpoints->begin(simulation);
-    end = runFrames(simulation, observers, outputs, options);
+    end = FrameLoop(simulation, observers, outputs, options).run();
     // What is reported is of the last step. Ranks must do that together.
     if (end == RunEnd::kInterrupted) simulation.refresh();
   } catch (...) {

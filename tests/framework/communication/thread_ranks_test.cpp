@@ -122,10 +122,18 @@ TEST(ThreadRanks, AMistakeInTheSceneNamesNoRankAsItIsThatOfAll) {
 
 TEST(ThreadRanks, OneThatIsSilentEndsAllIfThatIsAsked) {
   ::setenv("WEIR_RANK_TIMEOUT", "0.1", 1);
-  const Error error = errorOf([] {
-    runOnThreads(2, [](Communicator& ranks) {
-      if (ranks.rank() == 1) std::this_thread::sleep_for(std::chrono::milliseconds(600));
-      ranks.sum(1);
+  std::atomic<bool> told = false;
+  const Error error = errorOf([&] {
+    runOnThreads(2, [&](Communicator& ranks) {
+      constexpr int kMost = 20'000;  // ms
+      for (int i = 0; i < kMost && ranks.rank() == 1 && !told; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      try {
+        ranks.sum(1);
+      } catch (...) {
+        told = true;
+        throw;
+      }
     });
   });
   ::setenv("WEIR_RANK_TIMEOUT", "soon", 1);
