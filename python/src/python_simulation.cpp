@@ -202,6 +202,25 @@ std::int64_t PythonSimulation::lastFrameFor(double seconds) {
   return last;
 }
 
+Checkpoint PythonSimulation::resumedBy(const RunRequest& request) {
+  if (request.duration)
+    throw usageError("both resume and duration are given",
+                     "resume alone, which goes on to the scene's duration");
+  pictures_.reset();
+  Checkpoint from = checkpointIn("resume", request.resume);
+  scene_->staleBecause.clear();
+  failed_ = false;  // until it throws
+  return from;
+}
+
+std::optional<Checkpoints> PythonSimulation::checkpointsOf(const RunRequest& request) const {
+  if (request.checkpoint.empty()) return std::nullopt;
+  return std::make_optional<Checkpoints>(
+      request.checkpoint, CheckpointInterval::parse(request.checkpointEvery),
+      checkpointStoreOf(simulation().registry(), quotedOption("checkpoint", request.checkpoint),
+                        request.checkpoint));
+}
+
 bool PythonSimulation::run(const RunRequest& request) {
   const bool resumes = !request.resume.empty();
   Simulation& present = resumes ? simulation() : ready();
@@ -210,23 +229,9 @@ bool PythonSimulation::run(const RunRequest& request) {
   for (const auto& observer : observers) watching.push_back(observer.get());
   RunOptions options;
   std::optional<Checkpoint> from;
-  if (resumes) {
-    if (request.duration)
-      throw usageError("both resume and duration are given",
-                       "resume alone, which goes on to the scene's duration");
-    pictures_.reset();
-    from = checkpointIn("resume", request.resume);
-    options.resume = &from->state;
-    scene_->staleBecause.clear();
-    failed_ = false;  // until it throws
-  }
-  std::optional<Checkpoints> checkpoints;
-  if (!request.checkpoint.empty()) {
-    checkpoints.emplace(request.checkpoint, CheckpointInterval::parse(request.checkpointEvery),
-                        checkpointStoreOf(present.registry(), quotedOption("checkpoint", request.checkpoint),
-                                          request.checkpoint));
-    options.checkpoints = &*checkpoints;
-  }
+  if (resumes) options.resume = &from.emplace(resumedBy(request)).state;
+  std::optional<Checkpoints> checkpoints = checkpointsOf(request);
+  if (checkpoints) options.checkpoints = &*checkpoints;
   options.proceed = true;
   if (request.duration) options.lastFrame = lastFrameFor(*request.duration);
   std::atomic<bool> stop = false;

@@ -71,6 +71,10 @@ class PythonSimulation {
   Simulation& ready() const;
   /// What a checkpoint holds that belongs to this simulation.
   Checkpoint checkpointIn(const std::string& option, const std::string& file) const;
+  /// The checkpoint that a run goes on from, which the simulation is to be at next.
+  Checkpoint resumedBy(const RunRequest& request);
+  /// None where none are asked for.
+  std::optional<Checkpoints> checkpointsOf(const RunRequest& request) const;
   /// For a duration from now on: the frame at which it ends, up to which the scene's duration reaches then.
   std::int64_t lastFrameFor(double duration);
   /// Runs f without the GIL; what it throws within a step makes the simulation unusable until a reset.
