@@ -126,7 +126,7 @@ def start(command, **more):
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, **more)
 
 
-def main():
+def options_of():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--weir", required=True)
     parser.add_argument("--minutes", type=float, default=180)
@@ -138,23 +138,28 @@ def main():
     parser.add_argument("--report", help="a table of what was noted (.csv)")
     options = parser.parse_args()
     options.weir = os.path.abspath(options.weir)
-    begin = time.monotonic()
-    end = begin + 60 * options.minutes
-    notes, problems = [], []
-    with tempfile.TemporaryDirectory(prefix="weir-soak-") as folder:
-        with open(SCENE, encoding="utf-8") as file:
-            scene = json.load(file)
-        scene["world"]["duration"] = 1e6
-        with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:
-            json.dump(scene, file)
-        run = start([options.weir, "run", "scene.json", "--quiet", "--device", "cpu", "--threads", "1",
-                     "--export", "run.vtkhdf", "--series", "run.jsonl", "--stats", "run.json", "--checkpoint", "run.h5",
-                     "--checkpoint-every", "500"], cwd=folder)
-        studio = start([options.weir, "studio", "scene.json", "--no-browser", "--device", "cpu", "--threads", "1",
-                        "--frames-mb", str(options.frames_mb)], cwd=folder)
-        viewers = Viewers(studio.stdout.readline().strip(), end)
-        programs = {"run": run, "studio": studio}
-        report = open(options.report or os.devnull, "w", encoding="ascii", buffering=1)  # by lines: a soak that is killed keeps them
+    return options
+
+
+def start_programs(options, folder):
+    """The run and the studio, each of the scene without an end."""
+    with open(SCENE, encoding="utf-8") as file:
+        scene = json.load(file)
+    scene["world"]["duration"] = 1e6
+    with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:
+        json.dump(scene, file)
+    run = start([options.weir, "run", "scene.json", "--quiet", "--device", "cpu", "--threads", "1",
+                 "--export", "run.vtkhdf", "--series", "run.jsonl", "--stats", "run.json", "--checkpoint", "run.h5",
+                 "--checkpoint-every", "500"], cwd=folder)
+    studio = start([options.weir, "studio", "scene.json", "--no-browser", "--device", "cpu", "--threads", "1",
+                    "--frames-mb", str(options.frames_mb)], cwd=folder)
+    return {"run": run, "studio": studio}
+
+
+def watch(programs, viewers, options, begin, end, problems):
+    """Lines of numbers, until the end or the first problem."""
+    notes = []
+    with open(options.report or os.devnull, "w", encoding="ascii", buffering=1) as report:  # by lines: a soak that is killed keeps them
         report.write("seconds,run kB,run files,run threads,studio kB,studio files,studio threads,visits,messages\n")
         while time.monotonic() < end and not problems:
             time.sleep(min(options.every, max(0.1, end - time.monotonic())))
@@ -167,29 +172,48 @@ def main():
                     note += memory_of(program)
             notes.append(note + [viewers.visits, viewers.messages])
             report.write(",".join(map(str, notes[-1])) + "\n")
-        report.close()
-        viewers.end = 0
-        for thread in viewers.threads:
-            thread.join()
-        for name, program in programs.items():
-            asked = time.monotonic()
-            program.send_signal(signal.SIGINT)
-            try:
-                program.wait(120)
-            except subprocess.TimeoutExpired:
-                program.kill()
-            took = time.monotonic() - asked
-            print(f"{name} ended with {program.returncode}, {took:.2f} s after Ctrl-C")
-            if program.returncode != (130 if name == "run" else 0) or took > 2:
-                problems.append(f"{name} did not stop as it should")
-        size = os.path.getsize(os.path.join(folder, "run.vtkhdf"))
+    return notes
+
+
+def stop(programs, problems):
+    for name, program in programs.items():
+        asked = time.monotonic()
+        program.send_signal(signal.SIGINT)
+        try:
+            program.wait(120)
+        except subprocess.TimeoutExpired:
+            program.kill()
+        took = time.monotonic() - asked
+        print(f"{name} ended with {program.returncode}, {took:.2f} s after Ctrl-C")
+        if program.returncode != (130 if name == "run" else 0) or took > 2:
+            problems.append(f"{name} did not stop as it should")
+
+
+def judge_growth(notes, grows, problems):
     early, late = notes[len(notes) // 4], notes[-1]
     for name, column in (("run", 1), ("studio", 4)):
         growth = late[column] / max(early[column], 1) - 1
         print(f"{name}: {early[column]} kB after {early[0]} s, {late[column]} kB after {late[0]} s ({100 * growth:+.1f} %), "
               f"{late[column + 1]} open files, {late[column + 2]} threads")
-        if growth > options.grows:
+        if growth > grows:
             problems.append(f"{name} grows")
+
+
+def main():
+    options = options_of()
+    begin = time.monotonic()
+    end = begin + 60 * options.minutes
+    problems = []
+    with tempfile.TemporaryDirectory(prefix="weir-soak-") as folder:
+        programs = start_programs(options, folder)
+        viewers = Viewers(programs["studio"].stdout.readline().strip(), end)
+        notes = watch(programs, viewers, options, begin, end, problems)
+        viewers.end = 0
+        for thread in viewers.threads:
+            thread.join()
+        stop(programs, problems)
+        size = os.path.getsize(os.path.join(folder, "run.vtkhdf"))
+    judge_growth(notes, options.grows, problems)
     print(f"{viewers.visits} visits, {viewers.messages} messages, {len(viewers.failures)} connections failed "
           f"{sorted(set(viewers.failures))[:3]}; an export of {size / 1e6:.0f} MB")
     for problem in problems:
