@@ -116,4 +116,23 @@ class RanksTest : public testing::Test {
 
 inline constexpr const char* kCoarse = "water.spacing=0.05";
 
+/// A jet that fills a tank with a hole, from nothing; gauges and a surface look at it.
+inline constexpr const char* kJet = R"({
+  "weir": 1,
+  "world": { "dt": 0.002, "frame_rate": 30, "duration": 0.6 },
+  "nodes": {
+    "jet": { "type": "CircleEmitter",
+             "params": { "position": [0.3, 0.6, 0.25], "rotation": [0, 0, 20], "radius": 0.11, "speed": 2 } },
+    "tank": { "type": "StaticBoundary",
+              "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.5], "inverted": true } },
+    "hole": { "type": "Sink", "params": { "min": [0.8, 0, 0], "max": [1, 0.1, 0.5] } },
+    "point": { "type": "Gauge", "params": { "shape": "point", "position": [0.3, 0.5, 0.25] } },
+    "box": { "type": "Gauge", "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 1, 0.5] } },
+    "surface": { "type": "FluidSurface" },
+    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5 } }
+  },
+  "links": ["jet.particles -> water.emitters", "tank.boundary -> water.boundaries", "hole.sink -> water.sinks",
+            "water.fluid -> point.particles", "water.fluid -> box.particles", "water.fluid -> surface.fluid"]
+})";
+
 }  // namespace weir::test

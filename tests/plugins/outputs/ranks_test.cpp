@@ -2,21 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <map>
 #include <regex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "framework/scene/scene_file.h"
-#include "tests/plugins/outputs/meanwhile.h"
 #include "tests/plugins/outputs/ranks_run.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/support/child_process.h"
@@ -289,25 +280,6 @@ TEST_F(RanksTest, SoIsOneWhoseParticlesLeaveTheDomain) {
   expectSameForAnyNumber({kCoarse, "water.domain_max=[0.7, 5, 5]", "water.rest_steps=0"});
 }
 
-/// A jet that fills a tank with a hole, from nothing; gauges and a surface look at it.
-constexpr const char* kJet = R"({
-  "weir": 1,
-  "world": { "dt": 0.002, "frame_rate": 30, "duration": 0.6 },
-  "nodes": {
-    "jet": { "type": "CircleEmitter",
-             "params": { "position": [0.3, 0.6, 0.25], "rotation": [0, 0, 20], "radius": 0.11, "speed": 2 } },
-    "tank": { "type": "StaticBoundary",
-              "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.5], "inverted": true } },
-    "hole": { "type": "Sink", "params": { "min": [0.8, 0, 0], "max": [1, 0.1, 0.5] } },
-    "point": { "type": "Gauge", "params": { "shape": "point", "position": [0.3, 0.5, 0.25] } },
-    "box": { "type": "Gauge", "params": { "shape": "box", "min": [0, 0, 0], "max": [0.5, 1, 0.5] } },
-    "surface": { "type": "FluidSurface" },
-    "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "support_ratio": 1.5 } }
-  },
-  "links": ["jet.particles -> water.emitters", "tank.boundary -> water.boundaries", "hole.sink -> water.sinks",
-            "water.fluid -> point.particles", "water.fluid -> box.particles", "water.fluid -> surface.fluid"]
-})";
-
 TEST_F(RanksTest, SoIsAJetIntoATankWithAHole) {
   const std::string scene = folder_.write("jet.json", kJet);
   const auto nodesOf = [&](const std::string& ranks) {
@@ -343,79 +315,6 @@ TEST_F(RanksTest, ProcessesOfMpiWriteTheSameAsThreads) {
   ASSERT_EQ(processes.result.code, 0) << processes.result.err;
   EXPECT_TRUE(processes.files == threads.files);
   EXPECT_EQ(writeJson(fluidOf(processes)), writeJson(fluidOf(threads)));
-}
-
-TEST_F(RanksTest, ACheckpointOfAnyNumberOfRanksGoesOnOnAnyOther) {
-  scene_ = folder_.write("jet.json", kJet);
-  const std::vector<std::string> coarse{"water.spacing=0.05"};
-  const Outcome whole = run("whole", coarse, {"--ranks", "3", "--frames", "8"});
-  ASSERT_EQ(whole.result.code, 0) << whole.result.err;
-  for (const std::string from : {"1", "3"}) {
-    const std::string checkpoint = folder_ / (from + ".h5");
-    const ChildResult begun = save(checkpoint, coarse.front(), {"--ranks", from});
-    ASSERT_EQ(begun.code, 0) << begun.err;
-    for (const std::string to : {"1", "2", "4"})
-      expectSameEnd(run(from + "to" + to, coarse, {"--ranks", to, "--frames", "8", "--resume", checkpoint}),
-                    whole, "from " + from + " to " + to);
-  }
-  const Outcome alone =
-      run("alone", coarse, {"--device", "cpu", "--frames", "8", "--resume", folder_ / "3.h5"});
-  EXPECT_EQ(alone.result.code, 0) << alone.result.err;
-}
-
-TEST_F(RanksTest, ACheckpointWithoutRanksGoesOnAlikeOnAnyNumber) {
-  scene_ = folder_.write("jet.json", kJet);
-  const std::vector<std::string> coarse{"water.spacing=0.05"};
-  const std::string checkpoint = folder_ / "alone.h5";
-  const ChildResult begun = save(checkpoint, coarse.front(), {"--device", "cpu"});
-  ASSERT_EQ(begun.code, 0) << begun.err;
-  const Outcome one = run("one", coarse, {"--ranks", "1", "--frames", "8", "--resume", checkpoint}),
-                three = run("three", coarse, {"--ranks", "3", "--frames", "8", "--resume", checkpoint});
-  ASSERT_EQ(one.result.code, 0) << one.result.err;
-  expectSameEnd(three, one, "from none to 3");
-}
-
-TEST_F(RanksTest, WhereAProcessOfMpiIsKilledAllEndAndTheCheckpointGoesOn) {
-  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
-  scene_ = folder_.write("jet.json", kJet);
-  duration_ = "20";
-  const std::vector<std::string> coarse{"water.spacing=0.05"};
-  const Outcome whole = run("whole", coarse, {"--ranks", "2", "--frames", "30"});
-  ASSERT_EQ(whole.result.code, 0) << whole.result.err;
-  const std::string checkpoint = folder_ / "killed.h5";
-  // As soon as there is a checkpoint, whatever comes on stderr meanwhile.
-  Meanwhile killer([&](int launcher) {
-    const std::vector<int> ranks = childrenOf(launcher);
-    return std::filesystem::exists(checkpoint) && ranks.size() == 3 && ::kill(ranks[1], SIGKILL) == 0;
-  });
-  const ChildResult killed = runByMpi(3,
-                                      {"run", scene_, "--duration", duration_, "--set", coarse.front(),
-                                       "--checkpoint", checkpoint, "--checkpoint-every", "2"},
-                                      killer.options());
-  EXPECT_NE(killed.code, 0);
-  EXPECT_FALSE(killed.timedOut) << killed.err;
-  expectSameEnd(run("resumed", coarse, {"--ranks", "4", "--frames", "30", "--resume", checkpoint}), whole,
-                "after a kill");
-}
-
-TEST_F(RanksTest, WhereAProcessOfMpiIsStoppedAllEndAndOneSaysWhichItIs) {
-  if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
-  scene_ = folder_.write("jet.json", kJet);
-  const std::string series = folder_ / "series.jsonl";
-  std::atomic<int> stopped = 0;
-  Meanwhile stopper([&](int launcher) {
-    const std::vector<int> ranks = childrenOf(launcher);
-    if (!std::filesystem::exists(series) || ranks.size() != 3) return false;
-    stopped = ranks[1];
-    return ::kill(stopped, SIGSTOP) == 0;
-  });
-  const ChildResult ended =
-      runByMpi(3, {"run", scene_, "--duration", "100000", "--set", "water.spacing=0.05", "--series", series},
-               stopper.options());
-  EXPECT_FALSE(ended.timedOut) << ended.err;
-  EXPECT_NE(ended.code, 0);
-  EXPECT_CONTAINS(ended.err, "(process " + std::to_string(stopped) + " on ");
-  EXPECT_CONTAINS(ended.err, "has not answered for 10 s");
 }
 
 TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
@@ -544,31 +443,6 @@ TEST_F(RanksTest, AModuleThatCannotIsRefusedByItsName) {
   EXPECT_EQ(refused.code, 3);
   EXPECT_CONTAINS(refused.err, "node 'water'");
   EXPECT_CONTAINS(refused.err, "the module 'up' of type Lift cannot run on several ranks yet");
-}
-
-TEST_F(RanksTest, AnInterruptedRunEndsOnAllRanksWithItsStatistics) {
-  ChildOptions options;
-  options.onStderr = [sent = false](int pid, const std::string& err) mutable {
-    // The line of progress is there once there are steps.
-    if (!sent && contains(err, "ms/step")) sent = true, ::kill(pid, SIGINT);
-  };
-  const ChildResult result =
-      runWeir({"run", resourcesFolder() + "/scenes/dam_break.json", "--ranks", "3", "--duration", "1000",
-               "--set", kCoarse, "--stats", folder_ / "stats.json"},
-              options);
-  EXPECT_EQ(result.code, 130) << result.err;
-  const Value statistics = parseJson(readFile(folder_ / "stats.json"), "stats.json");
-  EXPECT_EQ(statistics.find("end")->asString(), "interrupted");
-  EXPECT_EQ(statistics.find("nodes")->find("water")->find("particles")->asInt(), 1000);
-}
-
-TEST_F(RanksTest, ARunThatDivergesEndsOnAllRanksWithOneMessage) {
-  const Outcome diverged =
-      run("diverged", {kCoarse, "water.solver.enabled=false", "block.velocity=[1e38, 1e38, 1e38]"},
-          {"--ranks", "4"});
-  EXPECT_EQ(diverged.result.code, 4);
-  EXPECT_CONTAINS(diverged.result.err, "rank 0");
-  EXPECT_CONTAINS(diverged.result.err, "diverged");
 }
 
 }  // namespace

@@ -140,28 +140,28 @@ void expectTooSlow(const Error& error, const std::string& what) {
 
 TEST(VideoFailure, EndsAnFfmpegThatTakesNoFrame) {
   const TemporaryFolder folder;
-  const FfmpegLimit limit("0.4");
+  const FfmpegLimit limit("1");
   for (const std::string before : {"", "head -c 100000 > /dev/null; "}) {
     const FakeFfmpeg fake(before + "echo stuck >&2; sleep 1000");
     const Error error = errorOf([&] { makeVideo(folder / "a.mp4", kManyFrames); });
-    expectTooSlow(error, "took no frame for 0.4 s: stuck");
+    expectTooSlow(error, "took no frame for 1 s: stuck");
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   }
 }
 
 TEST(VideoFailure, EndsAnFfmpegThatDoesNotEnd) {
   const TemporaryFolder folder;
-  const FfmpegLimit limit("0.2");
+  const FfmpegLimit limit("0.7");
   const FakeFfmpeg fake("cat > /dev/null; sleep 1000");
-  expectTooSlow(errorOf([&] { makeVideo(folder / "a.mp4", 3); }), "did not end for 0.4 s");
+  expectTooSlow(errorOf([&] { makeVideo(folder / "a.mp4", 3); }), "did not end for 1.4 s");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(VideoFailure, EndsAnFfmpegThatHangsInTheTrial) {
   const TemporaryFolder folder;
-  const FfmpegLimit limit("0.2");
+  const FfmpegLimit limit("0.7");
   const FakeFfmpeg fake("exit 1", "sleep 1000");
-  expectTooSlow(errorOf([&] { VideoWriter video(folder / "a.mp4", {32, 32, 30}); }), "did not end for 0.4 s");
+  expectTooSlow(errorOf([&] { VideoWriter video(folder / "a.mp4", {32, 32, 30}); }), "did not end for 1.4 s");
 }
 
 TEST(VideoFailure, SaysWhatTheLimitMayBe) {

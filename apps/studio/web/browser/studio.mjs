@@ -93,7 +93,7 @@ export async function startServer(options = [], { folder, env = {} } = {}) {
   try {
     const read = async (name) => JSON.parse(await readFile(join(own, name), "utf8"));
     const written = async (name, isRight) => {
-      for (let i = 0; i < 200; ++i) {
+      for (let waited = 0; waited < kPatience; waited += 100) {
         if (isRight(await read(name).catch(() => null))) return;
         await new Promise((resolve) => setTimeout(resolve, 100));
       }

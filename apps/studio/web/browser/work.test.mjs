@@ -157,7 +157,7 @@ step("scenes in Open have a picture of how their run ended", async () => {
   // The time is told, too, as a run has been here.
   await page.keyboard.press("r");
   await page.getByRole("status", { name: "Cost of the run" }).filter({ hasText: /~\d+ s/ }).waitFor();
-  for (let i = 0; i < 50 && !(await readFile(join(server.folder, ".blocks.json.jpg")).catch(() => null)); ++i) await page.waitForTimeout(100);
+  while (!(await readFile(join(server.folder, ".blocks.json.jpg")).catch(() => null))) await page.waitForTimeout(100);
   await button("Open").click();
   const entry = page.getByRole("dialog").getByRole("listitem").filter({ hasText: "blocks" });
   await page.waitForFunction((img) => img.complete && img.naturalWidth === 320, await entry.locator("img").elementHandle());
