@@ -102,7 +102,7 @@ class Lab:
         self._pool = ThreadPoolExecutor(jobs)
         self._lock = threading.Lock()  # of what runs leave here
         self.weir, self.out, self.device, self.threads = weir, Path(out), device, threads
-        self.full, self._say = full, say
+        self.full, self.say = full, say
         self.seconds = 0.0  # of simulation, those of runs that were there already too
         self.machine = None  # until a run has ended
 
@@ -137,7 +137,7 @@ class Lab:
             if result.stats:
                 self.seconds += result.stats["wall_seconds"]
                 self.machine = result.stats["device"]["description"]
-            self._say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
+            self.say(f"  {name}: {seconds:.0f} s" + (", diverged: " + result.error if result.error else ""))
         return result
 
 

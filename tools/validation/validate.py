@@ -143,6 +143,7 @@ def result_of(check, lab, store, resume):
     """Taken from the store where that is asked for and it is there, or else made. What may be of another build, and what
     cannot be judged, as a run that took too long cannot, is not stored."""
     if resume and (found := store.read(check.key)):
+        lab.say(f"  {check.title}: made before, {found.day}")
         return found
     outcome = outcome_of(check, lab)
     result = kept.Result(outcome, lab.seconds, lab.machine, str(datetime.date.today()))
