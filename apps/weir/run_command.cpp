@@ -17,6 +17,7 @@
 #include "framework/communication/parcel_route.h"
 #include "framework/communication/thread_ranks.h"
 #include "framework/compute/device_count.h"
+#include "framework/run/checkpoints_by_ranks.h"
 #include "framework/run/guarded_checkpoint.h"
 #include "framework/run/join_ranks.h"
 #include "framework/run/output_paths.h"
@@ -233,11 +234,12 @@ std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
                                          checkpointStore("checkpoint", checkpoint_));
 }
 
-std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation) const {
+std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation,
+                                                     Communicator* ranks) const {
   if (resume_.empty()) return std::nullopt;
   if (resume_ == kNewest)
-    return readNewestCheckpoint(*checkpointStore("checkpoint", checkpoint_), checkpoint_, simulation);
-  return weir::readCheckpoint(*checkpointStore("resume", resume_), resume_, simulation);
+    return readNewestCheckpoint(*checkpointStore("checkpoint", checkpoint_), checkpoint_, simulation, ranks);
+  return weir::readCheckpoint(*checkpointStore("resume", resume_), resume_, simulation, ranks);
 }
 
 void RunCommand::printResults() const {
@@ -354,21 +356,24 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
                        ranks != nullptr ? fmt::format(", on each of {} ranks", ranks->size()) : ""));
   Simulation simulation(std::move(scene), device, log, program_.registry());
 
-  const std::optional<Checkpoint> resumed = readCheckpoint(simulation);
-  std::optional<Checkpoints> checkpoints;
-  if (ranks == nullptr || ranks->rank() == 0) checkpoints = makeCheckpoints();  // which has all particles
+  std::optional<Checkpoint> resumed = readCheckpoint(simulation, ranks);
+  std::optional<Checkpoints> checkpoints = makeCheckpoints();
+  std::optional<CheckpointsByRanks> byRanks;
+  if (checkpoints && ranks != nullptr) byRanks.emplace(std::move(*checkpoints), *ranks);
   RunOptions options;
   options.lastFrame = frames_;
-  if (checkpoints) options.checkpoints = &*checkpoints;
-  if (checkpoints) options.saveAndStop = &Interruption::warned();
+  if (byRanks)
+    options.checkpointsByRanks = &*byRanks;
+  else if (checkpoints)
+    options.checkpoints = &*checkpoints;
+  const bool isWarned = ranks == nullptr || ranks->rank() == 0;
+  if (checkpoints && isWarned) options.saveAndStop = &Interruption::warned();
   if (resumed) options.resume = &resumed->state;
   const std::vector<std::unique_ptr<Observer>> observers = makeObservers(simulation.scene(), ranks);
   std::optional<AgreedRun> agreed;
   const std::unique_ptr<ParcelRoute> route = openRoute(ranks, device, log);  // goes before the simulation
   if (ranks != nullptr) {
-    joinRanks(simulation, *ranks,
-              {.frames = outputs_->anyGathered(simulation.scene(), *ranks),
-               .checkpoints = checkpoints.has_value()});
+    joinRanks(simulation, *ranks, outputs_->anyGathered(simulation.scene(), *ranks));
     agreed.emplace(*ranks, Interruption::asked(), options);
     if (ranks->rank() > 0) {
       std::vector<Observer*> own;

@@ -36,7 +36,7 @@ class RunCommand {
   std::unique_ptr<CheckpointStore> checkpointStore(const std::string& option, const std::string& path) const;
   std::optional<Checkpoints> makeCheckpoints() const;
   /// What --resume names, if it belongs to the simulation; with `auto`, the newest one if there is any.
-  std::optional<Checkpoint> readCheckpoint(const Simulation& simulation) const;
+  std::optional<Checkpoint> readCheckpoint(const Simulation& simulation, Communicator* ranks) const;
   void printResults() const;
   OnWarning onWarning() const;
   /// The run of one rank, or of a run that has none; `ranks` is null there.

@@ -6,10 +6,11 @@
 
 namespace WEIR_API weir {
 
-/// What on rank 0 needs the particles of all ranks. Numbers of reports need no such thing.
+/// What on rank 0 needs the particles of all ranks. Numbers of reports need no such thing, nor do checkpoints
+/// (checkpoints_by_ranks.h).
 struct WatchedByRanks {
   bool frames = true;       ///< something that looks at every frame
-  bool checkpoints = true;  ///< what is saved at some of them, after SharedByRanks::gather()
+  bool checkpoints = true;  ///< means nothing; here for plugins that are built
 };
 
 class SharedByRanks {
@@ -17,8 +18,8 @@ class SharedByRanks {
   virtual ~SharedByRanks() = default;
   /// Before the first reset, on all ranks alike.
   virtual void watch(WatchedByRanks watched) = 0;
-  /// On all ranks at the same frame: what rank 0 saves then has the particles of all.
-  virtual void gather() = 0;
+  /// Nobody calls it; here for plugins that are built.
+  virtual void gather() {}
   /// How the ranks fare, as of the last frame: an object of numbers, for --stats. Empty without ranks.
   virtual Value ranksReport() const = 0;
 };

@@ -120,7 +120,32 @@ void DividedParticles::append(const ParticleBatch& batch, const BatchSelection& 
   particles_.refreshCount();
 }
 
+namespace {
+
+/// Where each rank has saved its own rows: how many ranks those were.
+constexpr const char* kRanks = "ranks";
+
+}  // namespace
+
+void saveRows(const ParticleSet& particles, const StateWriter& to) {
+  for (const AttributeInfo& info : particles.attributes())
+    withAttributeType(info.type, [&]<class T>(std::type_identity<T>) {
+      const std::vector<T> rows = particles.get<T>(info.name).toHost(particles.bound());
+      to.put(info.name, std::span<const T>(rows));
+    });
+}
+
+void DividedParticles::save(const StateWriter& to) const {
+  to.put("next_id", particles_.nextId());
+  if (ranks_.size() > 1) to.put(kRanks, ranks_.size());
+}
+
 void DividedParticles::restore(const StateReader& from, const Aabb& box) {
+  if (from.has(kRanks)) {
+    readShare(from);
+    cut(box);
+    return migrate();
+  }
   ParticleSet all(particles_.device());
   read(from, all);
   cut(box, {ArrayView<const Vec3f>{all.positions().read().data(), all.bound()}});
@@ -128,9 +153,19 @@ void DividedParticles::restore(const StateReader& from, const Aabb& box) {
 }
 
 void DividedParticles::restore(const StateReader& from) {
+  if (from.has(kRanks)) {
+    readShare(from);
+    return migrate();
+  }
   ParticleSet all(particles_.device());
   read(from, all);
   takeOwn(all);
+}
+
+void DividedParticles::readShare(const StateReader& from) {
+  particles_.clear();
+  particles_.restore(from);
+  particles_.refreshCount();
 }
 
 void DividedParticles::read(const StateReader& from, ParticleSet& all) const {

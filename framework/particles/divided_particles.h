@@ -27,6 +27,9 @@
 
 namespace WEIR_API weir {
 
+/// What ParticleSet::save() has of each particle.
+void saveRows(const ParticleSet& particles, const StateWriter& to);
+
 class DividedParticles {
  public:
   /// Cells of that size, m; all particles belong to rank 0 at first. The devices of all ranks must outlive
@@ -51,8 +54,12 @@ class DividedParticles {
   void cut(const Aabb& box, const std::vector<ArrayView<const Vec3f>>& positions);
   /// Adds those of a batch, which every rank has and selects from alike, that belong to this rank.
   void append(const ParticleBatch& batch, const BatchSelection& selected = {});
-  /// Takes what belongs to this rank of a saved set, which every rank reads, in place of all that it has.
-  /// Space is cut for the box that it was cut for, or stays divided as it is.
+  /// What a checkpoint has of them once: all but the rows, of which each rank saves its own by saveRows().
+  /// Together they are what ParticleSet::restore() takes, with the rows of ranks behind each other.
+  void save(const StateWriter& to) const;
+  /// Takes what belongs to this rank of a saved set in place of all that it has. Of a set that several ranks
+  /// saved, each reads a share, and they exchange what belongs to others; of another one, each has all. Space
+  /// is cut for the box that it was cut for, or stays divided as it is.
   void restore(const StateReader& from, const Aabb& box);
   void restore(const StateReader& from);
 
@@ -96,6 +103,8 @@ class DividedParticles {
     HaloRange halo;
   };
 
+  /// Takes the rows that there are as this rank's own.
+  void readShare(const StateReader& from);
   /// Reads a set that every rank has, with the attributes of this one.
   void read(const StateReader& from, ParticleSet& all) const;
   /// Those of it that are this rank's, in place of all that it has.

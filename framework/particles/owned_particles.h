@@ -2,11 +2,17 @@
 // the last frame, on rank 0; what a rank owns is here at any time.
 #pragma once
 
+#include <string_view>
+
 #include "framework/base/api.h"
 #include "framework/communication/slabs.h"
 #include "framework/particles/particle_set.h"
 
 namespace WEIR_API weir {
+
+/// Below which name of the node's state they stand in a checkpoint: ParticleSet::save(). On several ranks
+/// Node::save() has all but the rows (DividedParticles::save), which each rank saves for itself.
+inline constexpr std::string_view kSavedParticles = "particles";
 
 class OwnedParticles {
  public:

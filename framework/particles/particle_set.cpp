@@ -262,7 +262,6 @@ void ParticleSet::clear() {
 
 void ParticleSet::save(const StateWriter& to) const {
   position_->settle();
-  to.put("count", bound_);
   to.put("next_id", nextId_);
   for (const auto& storage : storages_)
     if (!storage->info().internal) storage->save(to, bound_);
@@ -271,7 +270,7 @@ void ParticleSet::save(const StateWriter& to) const {
 void ParticleSet::restore(const StateReader& from) {
   rearrange();
   motion_.reset();
-  from.get("count", bound_);
+  bound_ = std::ssize(from.getAll<std::int64_t>("id"));
   from.get("next_id", nextId_);
   makeRoom(bound_);
   const int count = static_cast<int>(bound_);

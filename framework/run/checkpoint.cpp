@@ -12,6 +12,7 @@
 #include "framework/base/file_output.h"
 #include "framework/base/text.h"
 #include "framework/graph/given_data.h"
+#include "framework/run/checkpoint_parts.h"
 #include "framework/run/saved_outputs.h"
 #include "framework/scene/scene_file.h"
 
@@ -173,17 +174,26 @@ bool Checkpoints::isDue(const Simulation& simulation) const {
   return since.count() >= *interval_.seconds;
 }
 
+Checkpoint Checkpoints::about(const Simulation& simulation) const {
+  return {.version = std::string(version()),
+          .scene = checkpointScene(simulation.scene()),
+          .device = backEndOf(simulation.device()),
+          .inputs = inputs_,
+          .state = {}};
+}
+
 void Checkpoints::write(Simulation& simulation, std::span<Observer* const> observers) {
-  Checkpoint checkpoint{.version = std::string(version()),
-                        .scene = checkpointScene(simulation.scene()),
-                        .device = backEndOf(simulation.device()),
-                        .inputs = inputs_,
-                        .state = {}};
+  Checkpoint checkpoint = about(simulation);
   const StateWriter state(checkpoint.state);
   // First, as they wait until all is on the disk.
   saveOutputs(observers, state.in(kOutputStates));
   simulation.save(state);
+  put(checkpoint);
+  removeUnnamedParts(*store_, file_);  // of a run on several ranks before
+  syncFolderOf(file_);
+}
 
+bool Checkpoints::put(const Checkpoint& checkpoint) {
   // All names are made first: where memory ends in one, no draft is left.
   const fs::path draft = file_.string() + fmt::format(".{}.part", ::getpid());
   const fs::path previous = previousOf(file_), link = previous.string() + ".part";
@@ -194,15 +204,16 @@ void Checkpoints::write(Simulation& simulation, std::span<Observer* const> obser
   fs::remove(link, ignored);
   fs::create_hard_link(file_, link, ignored);
   if (!ignored) fs::rename(link, previous, ignored);
-  if (ignored) fs::remove(link, ignored);
+  const bool keepsLast = !ignored;
+  if (!keepsLast) fs::remove(link, ignored);
   std::error_code error;
   fs::rename(draft, file_, error);
   if (error) {
     fs::remove(draft, ignored);
     throw ioError("cannot write the checkpoint: " + error.message()).at({.file = file_.string()});
   }
-  syncFolderOf(file_);
   writtenAt_ = std::chrono::steady_clock::now();
+  return keepsLast;
 }
 
 }  // namespace weir

@@ -81,6 +81,15 @@ class Checkpoints {
   /// that there are stay then.
   void write(Simulation& simulation, std::span<Observer* const> observers);
 
+  // The parts of write(), for checkpoints that have more (checkpoints_by_ranks.h).
+  const std::filesystem::path& file() const { return file_; }
+  const CheckpointStore& store() const { return *store_; }
+  /// All but the state.
+  Checkpoint about(const Simulation& simulation) const;
+  /// It takes the place of the last one, though its name may not be on the disk yet; returns whether that one
+  /// is the one before now. Throws an io Error; there are the checkpoints that there were then.
+  bool put(const Checkpoint& checkpoint);
+
   /// Where the checkpoint before the last one is kept.
   static std::filesystem::path previousOf(const std::filesystem::path& file);
 
@@ -88,7 +97,7 @@ class Checkpoints {
   std::filesystem::path file_;
   CheckpointInterval interval_;
   std::unique_ptr<CheckpointStore> store_;
-  std::string inputs_;
+  std::string inputs_ = "{}";
   std::chrono::steady_clock::time_point writtenAt_;
 };
 

@@ -1,14 +1,17 @@
 #include "framework/run/guarded_checkpoint.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "framework/base/text.h"
 #include "framework/graph/guard.h"
+#include "framework/run/checkpoint_parts.h"
 
 namespace weir {
 
@@ -45,13 +48,50 @@ void throwIfForbidden(const fs::path& file) {
       .at({.file = file.string()});
 }
 
-std::optional<Checkpoint> readWhole(const CheckpointStore& store, const fs::path& file, Log& log) {
+RankShare shareOf(const Communicator* ranks) {
+  return ranks != nullptr ? RankShare{ranks->rank(), ranks->size()} : RankShare{};
+}
+
+/// Without its parts, which are no checkpoints.
+Checkpoint readNamed(const CheckpointStore& store, const fs::path& file) {
+  Checkpoint checkpoint = store.read(file);
+  if (const std::optional<int> rank = rankOfPart(checkpoint))
+    throw ioError(fmt::format("this is the part of a checkpoint that rank {} has written", *rank),
+                  "the file that names it, beside the folder in which it stands")
+        .at({.file = file.string()});
+  return checkpoint;
+}
+
+/// The first that is not empty.
+std::string firstOfRanks(const std::string& own, Communicator* ranks) {
+  if (ranks == nullptr) return own;
+  const auto bytes = std::as_bytes(std::span(own));
+  for (const Message& text : ranks->allGather(Message(bytes.begin(), bytes.end())))
+    if (!text.empty()) return {reinterpret_cast<const char*>(text.data()), text.size()};
+  return {};
+}
+
+/// None if it is not whole for one of the ranks.
+std::optional<Checkpoint> readWhole(const CheckpointStore& store, const fs::path& file, Log& log,
+                                    Communicator* ranks) {
+  std::optional<Checkpoint> checkpoint;
+  std::string problem;
   try {
-    return store.read(file);
+    checkpoint = readNamed(store, file);
+    readParts(store, file, *checkpoint, shareOf(ranks));
   } catch (const Error& e) {
-    log.warn(std::string("going on without a checkpoint: ") + e.what());
-    return std::nullopt;
+    problem = e.what();
   }
+  problem = firstOfRanks(problem, ranks);
+  if (problem.empty()) return checkpoint;
+  log.warn("going on without a checkpoint: " + problem);
+  return std::nullopt;
+}
+
+bool isThere(const fs::path& file, Communicator* ranks) {
+  std::error_code ignored;
+  const bool seen = fs::exists(file, ignored);
+  return ranks != nullptr ? ranks->any(seen) : seen;
 }
 
 void throwUnlessBelongs(const Checkpoint& checkpoint, const fs::path& file, const Simulation& simulation) {
@@ -84,18 +124,20 @@ std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, con
                                    : "a file that ends in " + joinNames(endings));
 }
 
-Checkpoint readCheckpoint(const CheckpointStore& store, const fs::path& file, const Simulation& simulation) {
-  Checkpoint checkpoint = store.read(file);
+Checkpoint readCheckpoint(const CheckpointStore& store, const fs::path& file, const Simulation& simulation,
+                          const Communicator* ranks) {
+  Checkpoint checkpoint = readNamed(store, file);
   throwUnlessBelongs(checkpoint, file, simulation);
+  readParts(store, file, checkpoint, shareOf(ranks));
   return checkpoint;
 }
 
 std::optional<Checkpoint> readNewestCheckpoint(const CheckpointStore& store, const fs::path& file,
-                                               const Simulation& simulation) {
+                                               const Simulation& simulation, Communicator* ranks) {
   for (const fs::path& candidate : {file, Checkpoints::previousOf(file)}) {
     throwIfForbidden(candidate);
-    if (std::error_code ignored; !fs::exists(candidate, ignored)) continue;
-    std::optional<Checkpoint> found = readWhole(store, candidate, simulation.log());
+    if (!isThere(candidate, ranks)) continue;
+    std::optional<Checkpoint> found = readWhole(store, candidate, simulation.log(), ranks);
     if (!found) continue;
     throwUnlessBelongs(*found, candidate, simulation);
     simulation.log().info("going on from " + printable(candidate.string(), 200));

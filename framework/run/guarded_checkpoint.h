@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/communication/communicator.h"
 #include "framework/graph/registry.h"
 #include "framework/run/checkpoint.h"
 
@@ -20,15 +21,17 @@ std::vector<std::unique_ptr<CheckpointStore>> guardedCheckpointStores(const Regi
 std::unique_ptr<CheckpointStore> checkpointStoreOf(const Registry& registry, const std::string& option,
                                                    const std::filesystem::path& file);
 
-/// What the file holds. Throws an io Error that names the file if it does not belong to the simulation.
+/// What the file holds, with its parts; of these, on several ranks, the share of this one. Throws an io Error
+/// that names the file if it does not belong to the simulation, or a part is not what it was.
 Checkpoint readCheckpoint(const CheckpointStore& store, const std::filesystem::path& file,
-                          const Simulation& simulation);
+                          const Simulation& simulation, const Communicator* ranks = nullptr);
 
 /// The same for the newest checkpoint that is whole: what stands at the path, or else the one before it, or
-/// none. The log is told which, and what is wrong with those that are not whole. Throws as readCheckpoint
-/// for one that does not belong to the simulation, and an io Error for one that may not be read.
+/// none. All ranks, which call this together, take the same. The log is told which, and what is wrong with
+/// those that are not whole. Throws as readCheckpoint for one that does not belong to the simulation, and an
+/// io Error for one that may not be read.
 std::optional<Checkpoint> readNewestCheckpoint(const CheckpointStore& store,
                                                const std::filesystem::path& file,
-                                               const Simulation& simulation);
+                                               const Simulation& simulation, Communicator* ranks = nullptr);
 
 }  // namespace weir

@@ -1,22 +1,13 @@
 #include "framework/run/join_ranks.h"
 
-#include <functional>
 #include <utility>
 
 #include "framework/communication/on_ranks.h"
+#include "framework/communication/shared_by_ranks.h"
 
 namespace weir {
 
-namespace {
-
-void forEachShared(Simulation& simulation, const std::function<void(SharedByRanks&)>& work) {
-  for (const auto& node : simulation.scene().graph.nodes())
-    if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) work(*shared);
-}
-
-}  // namespace
-
-void joinRanks(Simulation& simulation, Communicator& ranks, WatchedByRanks watched) {
+void joinRanks(Simulation& simulation, Communicator& ranks, bool watched) {
   for (const auto& node : simulation.scene().graph.nodes()) {
     auto* const onRanks = dynamic_cast<OnRanks*>(node.get());
     try {
@@ -28,10 +19,9 @@ void joinRanks(Simulation& simulation, Communicator& ranks, WatchedByRanks watch
       throw e.inNode(node->name()).at({.file = simulation.scene().file});
     }
   }
-  const bool speaks = ranks.rank() == 0;
-  const WatchedByRanks agreed{.frames = ranks.any(speaks && watched.frames),
-                              .checkpoints = ranks.any(speaks && watched.checkpoints)};
-  forEachShared(simulation, [&](SharedByRanks& shared) { shared.watch(agreed); });
+  const WatchedByRanks agreed{.frames = ranks.any(ranks.rank() == 0 && watched), .checkpoints = false};
+  for (const auto& node : simulation.scene().graph.nodes())
+    if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) shared->watch(agreed);
 }
 
 AgreedRun::AgreedRun(Communicator& ranks, const std::atomic<bool>& asked, RunOptions& options) {
@@ -40,11 +30,9 @@ AgreedRun::AgreedRun(Communicator& ranks, const std::atomic<bool>& asked, RunOpt
     if (ranks.any(asked || savedToStop_)) stop_ = true;
     if (told) told(run);
   };
-  options.atFrame = [this, &ranks, saveAndStop = options.saveAndStop](Simulation& run, bool makesCheckpoint) {
-    savedToStop_ = makesCheckpoint && saveAndStop != nullptr && *saveAndStop;
-    const bool anyMakes = ranks.any(makesCheckpoint);
-    if (anyMakes) forEachShared(run, [](SharedByRanks& shared) { shared.gather(); });
-    return anyMakes;
+  options.agreeOnCheckpoint = [this, &ranks, saveAndStop = options.saveAndStop](bool isDue) {
+    savedToStop_ = isDue && saveAndStop != nullptr && *saveAndStop;
+    return ranks.any(isDue);
   };
 }
 

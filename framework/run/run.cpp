@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "framework/run/output_worker.h"
-#include "framework/run/saved_outputs.h"
 
 namespace weir {
 
@@ -81,6 +80,18 @@ void begin(Observer& observer, Simulation& simulation, const StateArrays* state)
     observer.begin(simulation);
 }
 
+bool isDue(const RunOptions& options, const Simulation& simulation) {
+  if (options.checkpointsByRanks != nullptr) return options.checkpointsByRanks->isDue(simulation);
+  return options.checkpoints != nullptr && options.checkpoints->isDue(simulation);
+}
+
+void write(const RunOptions& options, Simulation& simulation, std::span<Observer* const> observers) {
+  if (options.checkpointsByRanks != nullptr)
+    options.checkpointsByRanks->write(simulation, observers);
+  else
+    options.checkpoints->write(simulation, observers);
+}
+
 /// The frames of a run, for observers that have begun.
 class FrameLoop {
  public:
@@ -119,6 +130,7 @@ class FrameLoop {
   void start() {
     if (options_.resume != nullptr) {
       simulation_.resume(StateReader(*options_.resume), options_.lastFrame);
+      options_.resume->clear();
       showProgress();
       return;
     }
@@ -134,15 +146,11 @@ class FrameLoop {
   void showFrame() {
     outputs_.showFrame(simulation_);
     const bool ends = options_.saveAndStop != nullptr && *options_.saveAndStop;
-    const bool isDue = options_.checkpoints != nullptr && (ends || options_.checkpoints->isDue(simulation_));
-    const bool saves = options_.atFrame ? options_.atFrame(simulation_, isDue) : isDue;
-    if (saves) outputs_.wait();
-    if (isDue) {
-      options_.checkpoints->write(simulation_, observers_);
+    const bool due = ends || isDue(options_, simulation_);
+    if (options_.agreeOnCheckpoint ? options_.agreeOnCheckpoint(due) : due) {
+      outputs_.wait();
+      write(options_, simulation_, observers_);
       savedToStop_ = ends;
-    } else if (saves) {
-      StateArrays ofAnotherRank;
-      saveOutputs(observers_, StateWriter(ofAnotherRank).in(kOutputStates));
     }
     showProgress();
   }
@@ -166,6 +174,7 @@ RunEnd runSimulation(Simulation& simulation, std::span<Observer* const> observer
       outputs.add(*observer);
     }
     if (options.checkpoints != nullptr) options.checkpoints->begin(simulation);
+    if (options.checkpointsByRanks != nullptr) options.checkpointsByRanks->begin(simulation);
     end = FrameLoop(simulation, observers, outputs, options).run();
     // What is reported is of the last step. Ranks must do that together.
     if (end == RunEnd::kInterrupted) simulation.refresh();

@@ -9,6 +9,7 @@
 
 #include "framework/base/api.h"
 #include "framework/run/checkpoint.h"
+#include "framework/run/checkpoints_by_ranks.h"
 #include "framework/run/observer.h"
 
 namespace WEIR_API weir {
@@ -19,20 +20,23 @@ struct RunOptions {
   /// Looked at between steps. May be set by a signal handler or another thread; null: never set.
   const std::atomic<bool>* stop = nullptr;
   /// Looked at at each frame: a checkpoint is made at the next one, and the run ends there as interrupted.
-  /// Null: never set. Only with `checkpoints`.
+  /// Null: never set. Only with checkpoints.
   const std::atomic<bool>* saveAndStop = nullptr;
   /// Null: no checkpoints are made. The outputs write all that they captured before one is written.
   Checkpoints* checkpoints = nullptr;
+  /// The same in place of those on each of several ranks, with an AgreedRun.
+  CheckpointsByRanks* checkpointsByRanks = nullptr;
   /// The state to go on from, in place of a reset; null: none. The observers that have a state there resume.
-  const StateArrays* resume = nullptr;
+  /// It is empty once all have it, as it may be large.
+  StateArrays* resume = nullptr;
   /// Goes on from where the simulation is, a frame, in place of a reset; the observers see that frame first.
   bool proceed = false;
   /// Where frames come from in place of steps: shows the next frame of a replay (Simulation::showAt), or
   /// returns false behind the last one. The simulation must be a replay. Null: the scene is simulated.
   std::function<bool(Simulation&)> nextFrame;
-  /// Called at every frame once the observers have captured it, with whether a checkpoint is made there;
-  /// returns whether the observers save then what they have, which they also do where another rank makes one.
-  std::function<bool(Simulation&, bool makesCheckpoint)> atFrame;
+  /// Called at every frame once the observers have captured it, with whether a checkpoint is due; returns
+  /// whether one is made, as on all ranks where it is due on one. Null: what is due.
+  std::function<bool(bool isDue)> agreeOnCheckpoint;
   /// Called at frame 0, after every step, and after every frame once the observers have captured it.
   std::function<void(const Simulation&)> onProgress;
 };

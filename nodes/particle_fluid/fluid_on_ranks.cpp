@@ -56,7 +56,7 @@ double ParticleFluid::memoryOnRanks(Device& device, double all) const {
                later = memoryFor(device, share.own + share.halo) +
                        DividedParticles::memoryFor(share.own, share.halo),
                own = std::max(first, later);
-  if (!isGathered()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
+  if (!isWatched()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
   // All ranks but the first one send an attribute at a time.
   const double gathered = memoryOfGathered(all), sent = bytesOfArray(share.own, sizeof(Vec3f));
   if (device.kind() == DeviceKind::kCpu)
@@ -96,7 +96,7 @@ void ParticleFluid::divideInitial() {
   divided_->cut(box, positions);
   fitSlab(box, all);
   frame_ = std::make_unique<FrameOnRanks>();
-  if (ranks_->rank() == 0 && isGathered()) gathered_.emplace(state.particles.device());
+  if (ranks_->rank() == 0 && isWatched()) gathered_.emplace(state.particles.device());
   if (maxParticles_ == 0) return;
   const ShareOfRank share = shareOfRank(maxParticles_);
   state.particles.expectAtMost(static_cast<std::int64_t>(share.own + share.halo));
@@ -157,9 +157,7 @@ void ParticleFluid::gatherAll() {
   divided_->gather(gathered_ ? &*gathered_ : nullptr);
 }
 
-void ParticleFluid::gather() {
-  if (!isWatched()) gatherAll();
-}
+void ParticleFluid::gather() {}
 
 void ParticleFluid::tellOfShares(Log& log) const {
   if (maxParticles_ == 0) return;
@@ -169,9 +167,7 @@ void ParticleFluid::tellOfShares(Log& log) const {
       fmt::format("node '{}': each of {} ranks has up to {:.4g} million particles and {:.3g} million copies "
                   "of others'; the first one gathers {}",
                   name(), ranks_->size(), share.own / kMillion, share.halo / kMillion,
-                  isWatched()    ? "all at frames"
-                  : isGathered() ? "all at checkpoints"
-                                 : "none"));
+                  isWatched() ? "all at frames" : "none"));
 }
 
 Value ParticleFluid::ranksReport() const {
@@ -206,7 +202,7 @@ void ParticleFluid::sumSinksOfRanks() {
 void ParticleFluid::restoreOnRanks(const StateReader& from) {
   Device& device = state_->particles.device();
   const Aabb box = state_->neighbors.box();
-  divided_->restore(from.in("particles"), box);
+  divided_->restore(from.in(kSavedParticles), box);
   fitSlab(box, divided_->countOfAll());
   Log silent;
   const StepContext now{device, silent, {}, 0, 0, 0};
@@ -217,7 +213,7 @@ void ParticleFluid::restoreOnRanks(const StateReader& from) {
     from.get("sums", frame_->sums);
   else
     frame_->sums = sumsOfFluid(divided_->ranks(), state_->particles, state_->neighbors, constants_);
-  if (gathered_ && isWatched()) gathered_->restore(from.in("particles"));
+  if (isWatched()) gatherAll();
 }
 
 }  // namespace weir

@@ -152,9 +152,10 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
 }
 
 void ParticleFluid::save(const StateWriter& to) const {
-  const bool hasAllParticles = !divided_ || gathered_;
-  WEIR_CHECK(hasAllParticles);
-  shown().save(to.in("particles"));
+  if (divided_)
+    divided_->save(to.in(kSavedParticles));
+  else
+    state_->particles.save(to.in(kSavedParticles));
   state_->neighbors.save(to.in("neighbors"));
   if (frame_) to.put("sums", frame_->sums);
   if (!emitters.empty()) state_->inflow.save(to.in("inflow"));
@@ -171,7 +172,7 @@ void ParticleFluid::restore(const StateReader& from) {
   if (divided_) {
     restoreOnRanks(from);
   } else {
-    state.particles.restore(from.in("particles"));
+    state.particles.restore(from.in(kSavedParticles));
     if (state.particles.bound() > 0) search();
   }
   state.neighbors.restore(from.in("neighbors"));

@@ -198,9 +198,8 @@ class ParticleFluid final : public Node,
     bool resumed = false;          // and no step made since
   };
 
-  /// What is looked at and saved: all particles, where this rank has gathered them.
+  /// What is looked at: all particles, where this rank has gathered them.
   ParticleSet& shown() { return gathered_ ? *gathered_ : state_->particles; }
-  const ParticleSet& shown() const { return gathered_ ? *gathered_ : state_->particles; }
   State& makeState(Device& device);
   void appendInitial();
   void divideInitial();
@@ -216,10 +215,8 @@ class ParticleFluid final : public Node,
   double memoryOnRanks(Device& device, double all) const;
   /// The same of what rank 0 gathers.
   double memoryOfGathered(double all) const;
-  /// Whether something looks at the particles of all ranks at every frame.
+  /// Whether something looks at the particles of all ranks at every frame, so that rank 0 gathers them.
   bool isWatched() const;
-  /// Whether rank 0 gathers them at all.
-  bool isGathered() const { return isWatched() || watched_.checkpoints; }
   /// The particles sorted where this rank has them, with lists, before anyone looks.
   void sortOnRanks(const StepContext& context);
   void lookOnRanks();
@@ -300,7 +297,7 @@ class ParticleFluid final : public Node,
   Communicator* ranks_ = nullptr;
   WatchedByRanks watched_;
   std::unique_ptr<DividedParticles> divided_;
-  std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks or saves
+  std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks
   std::unique_ptr<FrameOnRanks> frame_;
   std::int64_t stepsTimed_ = 0;  // since the reset
 };

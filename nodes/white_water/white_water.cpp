@@ -109,15 +109,18 @@ void WhiteWater::reset(const SetupContext& context) {
 }
 
 void WhiteWater::save(const StateWriter& to) const {
-  shown().save(to.in("particles"));
+  if (shared_)
+    shared_->particles.save(to.in(kSavedParticles));
+  else
+    set_->save(to.in(kSavedParticles));
 }
 
 void WhiteWater::restore(const StateReader& from) {
   if (shared_) {
     shared_->particles.follow(*sharedFluid().slabs());
-    shared_->particles.restore(from.in("particles"));
+    shared_->particles.restore(from.in(kSavedParticles));
   } else {
-    set_->restore(from.in("particles"));
+    set_->restore(from.in(kSavedParticles));
   }
   // As at the frame where it was saved, as the order of particles follows from it.
   grid_->fit(presentFluid());

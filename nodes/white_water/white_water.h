@@ -165,7 +165,6 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
   ParticleSet& owned() override { return *set_; }
   const Slabs* slabs() const override { return shared_ ? &shared_->particles.slabs() : nullptr; }
   void watch(WatchedByRanks watched) override { watched_ = watched; }
-  void gather() override;
   Value ranksReport() const override;
 
  private:
@@ -193,7 +192,7 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
     DividedParticles particles;
     RemoteFluid fluid;
     Array<Vec3f> ahead;                   // where a step takes them, m
-    std::optional<ParticleSet> gathered;  // on rank 0, if somebody looks or saves
+    std::optional<ParticleSet> gathered;  // on rank 0, if somebody looks
     Tally tally;                          // of all ranks, at the last frame
     Value report = Value::object();
     std::int64_t stepsTimed = 0;  // since the reset
@@ -218,10 +217,8 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
   OwnedParticles& sharedFluid() const;
   Tally tallyOwn();
   bool isWatched() const;
-  bool isGathered() const { return isWatched() || watched_.checkpoints; }
-  /// What is looked at and saved: all particles, where this rank has gathered them.
+  /// What is looked at: all particles, where this rank has gathered them.
   ParticleSet& shown() { return shared_ && shared_->gathered ? *shared_->gathered : *set_; }
-  const ParticleSet& shown() const { return shared_ && shared_->gathered ? *shared_->gathered : *set_; }
   void share(Device& device);
   void lookOnRanks();
   void gatherAll();

@@ -44,7 +44,7 @@ bool WhiteWater::isWatched() const {
 
 void WhiteWater::share(Device& device) {
   shared_ = std::make_unique<Shared>(*ranks_, *set_, kNearRadius * fluid->material.spacing);
-  if (ranks_->rank() > 0 || !isGathered()) return;
+  if (ranks_->rank() > 0 || !isWatched()) return;
   shared_->gathered.emplace(device).expectAtMost(maxParticles);
 }
 
@@ -65,9 +65,9 @@ double WhiteWater::memoryOnRanks(Device& device) const {
 
 double WhiteWater::memoryOfGathered() const {
   const double n = static_cast<double>(maxParticles);
-  return isGathered() ? ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
-                            3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat)
-                      : 0;
+  return isWatched() ? ParticleSet::memoryFor(n) + ParticleSet::memoryOfAttribute(n, AttributeType::kInt) +
+                           3 * ParticleSet::memoryOfAttribute(n, AttributeType::kFloat)
+                     : 0;
 }
 
 WhiteWater::Births WhiteWater::birthsOfAll(std::int64_t own) {
@@ -119,10 +119,6 @@ void WhiteWater::gatherAll() {
   if (to) to->clear();
   shared_->particles.gather(to ? &*to : nullptr);
   if (to) putIntoOrderOfIds(*to);
-}
-
-void WhiteWater::gather() {
-  if (!isWatched()) gatherAll();
 }
 
 Value WhiteWater::ranksReport() const {

@@ -9,6 +9,7 @@
 
 #include "framework/base/packed.h"
 #include "framework/base/text.h"
+#include "framework/run/checkpoint_parts.h"
 #include "framework/run/progress.h"
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
@@ -178,10 +179,36 @@ FileContents unpackedContents(const std::string& bytes) {
   return contents;
 }
 
+std::string arraysText(const StateArrays& state) {
+  double bytes = 0;
+  for (const auto& [path, array] : state) bytes += static_cast<double>(array.bytes());
+  return fmt::format("{}, {}; all digests are right", state.size(), sizeText(bytes));
+}
+
+/// How much they have, and nothing of what: it may be more than there is memory for.
+void addSizes(const StateArrays& part, StateArrays& to) {
+  for (const auto& [path, array] : part)
+    to.try_emplace(path, StateArray{array.kind, 0, array.columns, {}}).first->second.rows += array.rows;
+}
+
+FileContents contentsOfPart(const Checkpoint& part, int rank) {
+  FileContents contents{.kind = "a part of a checkpoint",
+                        .entries = {{"version", part.version}, {"of rank", std::to_string(rank)}},
+                        .scene = part.scene};
+  addParticles(part.state, contents.entries);
+  contents.entries.push_back({"arrays", arraysText(part.state)});
+  return contents;
+}
+
 }  // namespace
 
 FileContents CheckpointContents::read(const fs::path& file) const {
-  const Checkpoint checkpoint = Hdf5CheckpointStore().read(file);
+  const Hdf5CheckpointStore store;
+  Checkpoint checkpoint = store.read(file);
+  if (const std::optional<int> rank = rankOfPart(checkpoint)) return contentsOfPart(checkpoint, *rank);
+  const CheckpointParts parts = CheckpointParts::of(checkpoint);
+  for (std::size_t part = 0; part < parts.names.size(); ++part)
+    addSizes(parts.read(store, file, part), checkpoint.state);
   FileContents contents{.kind = "a checkpoint", .entries = {}, .scene = checkpoint.scene};
   const auto add = [&](std::string name, std::string text) {
     contents.entries.push_back({std::move(name), std::move(text)});
@@ -196,10 +223,9 @@ FileContents CheckpointContents::read(const fs::path& file) const {
     add("version", checkpoint.version);
     add("back end", checkpoint.device);
     add("frame", fmt::format("{} at {:.6g} s, after {} steps", frame, time, groupedText(steps)));
+    if (!parts.names.empty()) add("other files", otherFilesText(parts.names));
     addParticles(checkpoint.state, contents.entries);
-    double bytes = 0;
-    for (const auto& [path, array] : checkpoint.state) bytes += static_cast<double>(array.data.size());
-    add("arrays", fmt::format("{}, {}; all digests are right", checkpoint.state.size(), sizeText(bytes)));
+    add("arrays", arraysText(checkpoint.state));
     addInputs(checkpoint.inputs, contents.entries);
     add("nodes", nodesOf(checkpoint.scene));
   } catch (Error& e) {

@@ -164,6 +164,15 @@ class Faults:
         spread = ([of[k * (len(of) - 1) // max(1, most - 1)] for k in range(most)] for of in calls.values())
         return sorted(set(sum(spread, [])))
 
+    def parts_in_use(self, folder):
+        """The parts that checkpoints of several ranks name."""
+        names = [os.path.join(folder, name) for name in ("run.h5", "run.previous.h5") if name in files_in(folder)]
+        if not names:
+            return set()
+        info = subprocess.run([self.weir, "info"] + names, capture_output=True, text=True, timeout=LIMIT)
+        told = [line.split(": ", 2)[2] for line in info.stdout.splitlines() if line.startswith("  other files: ")]
+        return set(", ".join(told).split(", "))
+
     def damaged(self, folder):
         """What `weir info` says against checkpoints and exports, and ffprobe against videos."""
         files = sorted(os.path.join(folder, name) for name in files_in(folder) if name.endswith((".h5", ".vtkhdf")))
@@ -206,8 +215,9 @@ class Faults:
                 problems.append("the message does not name the file: " + said[-300:])
         if done.returncode == 0 and expected - found:
             problems.append("exit code 0, but these are missing: " + ", ".join(sorted(expected - found)))
-        if found - expected - EXTRA:
-            problems.append("left over: " + ", ".join(sorted(found - expected - EXTRA)) + ": " + said[-300:])
+        left = found - EXTRA - self.parts_in_use(folder) - {name for name in expected if ".parts/" not in name}
+        if left:
+            problems.append("left over: " + ", ".join(sorted(left)) + ": " + said[-300:])
         for name in sorted(found & expected):
             if not name.endswith(VARYING) and contents(os.path.join(folder, name)) != contents(os.path.join(whole, name)):
                 problems.append(f"{name} is not what it would have been (exit code {done.returncode})")
