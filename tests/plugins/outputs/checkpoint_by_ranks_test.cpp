@@ -7,6 +7,7 @@
 #include <set>
 
 #include "framework/run/checkpoint_parts.h"
+#include "framework/run/progress.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
 #include "tests/plugins/outputs/meanwhile.h"
 #include "tests/plugins/outputs/ranks_run.h"
@@ -174,11 +175,10 @@ TEST_F(CheckpointByRanks, InfoTellsOfAllParts) {
   save({"--ranks", "2"});
   const ChildResult all = runWeir({"info", file_}), one = runWeir({"info", part("2.rank_1.h5")});
   EXPECT_EQ(all.code, 0) << all.err;
-  const std::string particles = std::to_string(stateOf(file_).at("nodes/water/particles/id").rows);
-  for (const std::string text :
-       {std::string("a checkpoint, whole"), std::string("frame: 8"), "particles of water: " + particles,
-        std::string("other files: 2: run.parts/2.rank_0.h5, run.parts/2.rank_1.h5"),
-        std::string("all digests are right")})
+  const std::string particles = groupedText(stateOf(file_).at("nodes/water/particles/id").rows);
+  for (const std::string& text : std::vector<std::string>{
+           "a checkpoint, whole", "frame: 8", "particles of water: " + particles,
+           "other files: 2: run.parts/2.rank_0.h5, run.parts/2.rank_1.h5", "all digests are right"})
     EXPECT_CONTAINS(all.out, text);
   EXPECT_EQ(one.code, 0) << one.err;
   EXPECT_CONTAINS(one.out, "a part of a checkpoint, whole");
@@ -254,7 +254,8 @@ TEST_F(CheckpointByRanks, IsReadWhereItIsMovedToAndThroughALink) {
   const std::string whole = endOf({"--ranks", "2"});
   save({"--ranks", "2"});
   fs::create_directory(folder_ / "moved");
-  for (const char* name : {"run.h5", "run.parts"}) fs::rename(folder_ / name, folder_ / "moved" / name);
+  for (const std::string name : {"run.h5", "run.parts"})
+    fs::rename(folder_ / name, folder_ / ("moved/" + name));
   EXPECT_EQ(endOf({"--ranks", "2", "--resume", folder_ / "moved/run.h5"}), whole);
   fs::create_symlink(folder_ / "moved/run.h5", folder_ / "link.h5");
   EXPECT_EQ(endOf({"--ranks", "1", "--resume", folder_ / "link.h5"}), whole);
