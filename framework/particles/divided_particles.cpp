@@ -9,6 +9,7 @@
 #include "framework/base/error.h"
 #include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
+#include "framework/particles/make_room.h"
 #include "framework/particles/pack_layout.h"
 
 namespace weir {
@@ -25,17 +26,6 @@ std::int64_t roomFor(std::int64_t bytes) {
 void addAttributes(const PackLayout& layout, ParticleSet& to) {
   for (const AttributeInfo& info : layout.attributes())
     withAttributeType(info.type, [&]<class T>(std::type_identity<T>) { to.add<T>(info); });
-}
-
-/// At once, as some attributes are there twice while a set grows.
-void makeRoom(ParticleSet& empty, std::int64_t particles) {
-  if (particles <= empty.capacity()) return;
-  ParticleBatch batch;
-  batch.count = particles;
-  Array<int> none(empty.device(), 1);
-  none.fillZero();
-  empty.append(batch, {{nullptr, particles}, none.data()});
-  empty.clear();
 }
 
 }  // namespace

@@ -8,11 +8,22 @@
 
 #include "framework/communication/ranks_report.h"
 #include "framework/compute/dispatch.h"
-#include "framework/particles/divided_particles.h"
+#include "framework/particles/make_room.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
+#include "nodes/particle_fluid/initial_batches.h"
 #include "nodes/particle_fluid/particle_fluid.h"
 
 namespace weir {
+
+namespace {
+
+Aabb unionOfRanks(Communicator& ranks, const Aabb& own) {
+  Aabb all;
+  for (const Aabb& of : ranks.allGather(own)) all.extend(of);
+  return all;
+}
+
+}  // namespace
 
 void ParticleFluid::join(Communicator& ranks) {
   if (period().any())
@@ -51,11 +62,12 @@ ParticleFluid::ShareOfRank ParticleFluid::shareOfRank(double all) const {
 
 double ParticleFluid::memoryOnRanks(Device& device, double all) const {
   const ShareOfRank share = shareOfRank(all);
-  // Before lists are made, there is a batch of all, and which of it belongs to the rank.
-  const double first = ParticleSet::memoryFor(share.own) + bytesOfArray(all, sizeof(Vec3f) + sizeof(int)),
-               later = memoryFor(device, share.own + share.halo) +
-                       DividedParticles::memoryFor(share.own, share.halo),
-               own = std::max(first, later);
+  const double first = ParticleSet::memoryFor(share.own) + memoryOfBatches(initial, ranks_->size()),
+               seen = share.own + share.halo;
+  double later = memoryFor(device, seen) + DividedParticles::memoryFor(share.own, share.halo);
+  if (restSteps > 0 && holdsParts(initial))
+    later += ParticleSet::memoryOfAttribute(seen, AttributeType::kVec3);
+  const double own = std::max(first, later);
   if (!isWatched()) return (device.kind() == DeviceKind::kCpu ? ranks_->sizeHere() : 1) * own;
   // All ranks but the first one send an attribute at a time.
   const double gathered = memoryOfGathered(all), sent = bytesOfArray(share.own, sizeof(Vec3f));
@@ -82,18 +94,25 @@ double ParticleFluid::memoryOfGathered(double all) const {
 void ParticleFluid::divideInitial() {
   State& state = *state_;
   divided_ = std::make_unique<DividedParticles>(*ranks_, state.particles, constants_.supportRadius);
-  Aabb box;
+  const std::vector<SharedBatch> batches = sharedBatches(initial, true);
+  Aabb own;
   std::int64_t all = 0;
-  std::vector<ArrayView<const Vec3f>> positions;
-  for (std::size_t i = 0; i < initial.size(); ++i) {
-    const ParticleBatch& batch = initial[i];
-    if (batch.count == 0) continue;
-    const ArrayView<const Vec3f>& some = positions.emplace_back(batch.positions.data(), batch.count);
-    dispatch(state.particles.device(), [&](auto& device) { boundingBoxOn(device, some, batch.count); });
-    box.extend(state.extent.toHost().front().box);
-    all += batch.count;
+  for (const SharedBatch& of : batches) {
+    all += of.countOfAll();
+    const std::int64_t count = of.batch->count;
+    if (count == 0) continue;
+    dispatch(state.particles.device(), [&](auto& device) {
+      boundingBoxOn(device, {of.batch->positions.data(), count}, count);
+    });
+    own.extend(state.extent.toHost().front().box);
   }
-  divided_->cut(box, positions);
+  const Aabb box = unionOfRanks(divided_->ranks(), own);
+  if (!box.empty()) {
+    const InitialDivision division =
+        initialDivision(divided_->ranks(), box, batches, constants_.supportRadius);
+    divided_->follow(division.slabs);
+    makeRoom(state.particles, division.own);
+  }
   fitSlab(box, all);
   frame_ = std::make_unique<FrameOnRanks>();
   if (ranks_->rank() == 0 && isWatched()) gathered_.emplace(state.particles.device());
@@ -103,17 +122,8 @@ void ParticleFluid::divideInitial() {
   if (gathered_) gathered_->expectAtMost(static_cast<std::int64_t>(maxParticles_));
 }
 
-/// A batch that every rank has whole goes as soon as nobody needs it.
 void ParticleFluid::releaseInitial() {
-  bool rests = false;
-  for (std::size_t i = 0; i < initial.size(); ++i) rests |= initial[i].container != nullptr;
-  if (rests && restSteps > 0) return;
-  for (std::size_t i = 0; i < initial.size(); ++i) {
-    ParticleBatch& batch = initial[i];
-    if (initial.links()[i]->links().size() > 1) continue;
-    batch.positions = Array<Vec3f>(state_->particles.device());
-    batch.velocities = Array<Vec3f>(state_->particles.device());
-  }
+  releaseBatches(initial, state_->particles.device(), restSteps > 0);
 }
 
 /// Of so many particles of all ranks.
@@ -122,9 +132,7 @@ void ParticleFluid::fitSlab(const Aabb& box, std::int64_t particles) {
 }
 
 Aabb ParticleFluid::boxOnRanks(Device& onDevice) {
-  Aabb all;
-  for (const FluidExtent& of : divided_->ranks().allGather(extentOf(onDevice))) all.extend(of.box);
-  return all;
+  return unionOfRanks(divided_->ranks(), extentOf(onDevice).box);
 }
 
 void ParticleFluid::sortOnRanks(const StepContext& context) {

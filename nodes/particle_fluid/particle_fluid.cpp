@@ -7,10 +7,10 @@
 #include <map>
 
 #include "framework/compute/dispatch.h"
-#include "framework/particles/divided_particles.h"
 #include "nodes/particle_fluid/auto_bulk_modulus.h"
 #include "nodes/particle_fluid/fluid_warnings.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
+#include "nodes/particle_fluid/initial_batches.h"
 #include "nodes/particle_fluid/modules/accelerated_solver.h"
 #include "nodes/particle_fluid/modules/boundary_collision.h"
 #include "nodes/particle_fluid/modules/neighbor_search.h"
@@ -329,11 +329,13 @@ ParticleFluid::State& ParticleFluid::makeState(Device& device) {
 }
 
 void ParticleFluid::appendInitial() {
-  for (std::size_t i = 0; i < initial.size(); ++i) {
-    if (divided_)
-      divided_->append(initial[i]);
+  for (const auto& [batch, part] : sharedBatches(initial, divided_ != nullptr)) {
+    if (!divided_)
+      state_->particles.append(*batch);
+    else if (part != nullptr)
+      appendPart(*divided_, state_->particles, *batch, *part);
     else
-      state_->particles.append(initial[i]);
+      divided_->append(*batch);
   }
 }
 
@@ -404,9 +406,7 @@ void ParticleFluid::relaxInitialState(const StepContext& context) {
   const StepContext start{context.device, silent, gravity, 0, std::min(*state_->restDt, longest), 0};
   state_->restDt.reset();
   FluidStep step = fluidStep(start);
-  std::vector<const ParticleBatch*> batches;
-  for (std::size_t i = 0; i < initial.size(); ++i) batches.push_back(&initial[i]);
-  RestState rest(step, batches);
+  RestState rest(step, sharedBatches(initial, divided_ != nullptr));
   if (restSteps == 0 || !rest.wanted()) return;
   state_->walls.still = true;
   state_->restSteps = rest.reach(restSteps, [&] { runPipeline(step); });

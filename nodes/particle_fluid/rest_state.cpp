@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "framework/base/interruption.h"
 #include "framework/compute/dispatch.h"
@@ -11,10 +12,14 @@
 
 namespace weir {
 
-RestState::RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches)
+RestState::RestState(FluidStep& fluid, const std::vector<SharedBatch>& batches)
     : fluid_(fluid), sum_(fluid.device, 1) {
-  for (const ParticleBatch* batch : batches)
-    batches_.push_back({batch, batch->pressure == StartPressure::kNone});
+  for (const SharedBatch& of : batches) {
+    batches_.push_back({.batch = of.batch,
+                        .count = of.countOfAll(),
+                        .weightless = of.batch->pressure == StartPressure::kNone});
+    holdsParts_ |= of.part != nullptr && of.batch->container == nullptr;
+  }
 }
 
 bool RestState::wanted() const {
@@ -66,7 +71,20 @@ class Progress {
 
 }  // namespace
 
+void RestState::keepPlaces() {
+  ParticleSet& particles = fluid_.particles;
+  places_ = particles.add<Vec3f>({.name = "place_at_rest",
+                                  .type = AttributeType::kVec3,
+                                  .unit = "m",
+                                  .doc = "Where it is held until the start.",
+                                  .internal = true});
+  const std::size_t bytes = static_cast<std::size_t>(particles.refreshCount()) * sizeof(Vec3f);
+  if (bytes > 0)
+    fluid_.device.copy(places_.write().data(), std::as_const(particles).positions().read().data(), bytes);
+}
+
 int RestState::reach(int max, const std::function<void()>& step) {
+  if (holdsParts_) keepPlaces();
   // At rest: a particle that falls freely has this speed after half a thousandth of a spacing.
   double atRest = 1e-3 * length(fluid_.time.gravity) * fluid_.constants.spacing;
   if (atRest == 0 && fluid_.images != nullptr) {

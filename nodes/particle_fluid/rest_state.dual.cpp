@@ -92,12 +92,13 @@ struct Push {
 
 struct Hold {
   Batch batch;
-  ArrayView<const Vec3f> initial;
+  ArrayView<const Vec3f> initial;  // of the batch, or of all particles
+  bool isOfAll;
   ArrayView<Vec3f> positions, velocities;
 
   WEIR_HD void operator()(std::int64_t i) const {
     if (!batch.has(i)) return;
-    positions[i] = initial[batch.indexOf(i)];
+    positions[i] = initial[isOfAll ? i : batch.indexOf(i)];
     velocities[i] = {};
   }
 };
@@ -133,9 +134,8 @@ template <class Resting, class F>
 void forEachBatch(std::vector<Resting>& batches, const ParticleSet& particles, const F& f) {
   std::int64_t first = 0;
   for (Resting& of : batches) {
-    const std::int64_t count = of.batch->count;
-    if (count > 0) f(of, Batch{first, count, particles.ids().read()});
-    first += count;
+    if (of.count > 0) f(of, Batch{first, of.count, particles.ids().read()});
+    first += of.count;
   }
 }
 
@@ -189,7 +189,8 @@ void RestState::containOn(Backend& device) {
                   Contain{batch, containerOf(of, fluid_), p.positions().write(), p.velocities().write()});
     else
       parallelFor(device, "hold", p.count(),
-                  Hold{batch, of.batch->positions.view(), p.positions().write(), p.velocities().write()});
+                  Hold{batch, holdsParts_ ? places_.read().view() : of.batch->positions.view(), holdsParts_,
+                       p.positions().write(), p.velocities().write()});
   });
 }
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "framework/compute/exact_sum.h"
-#include "framework/particles/particle_batch.h"
+#include "framework/particles/initial_division.h"
 #include "nodes/particle_fluid/fluid_module.h"
 
 namespace weir {
@@ -23,7 +23,7 @@ namespace weir {
 class RestState {
  public:
   /// The batches that the fluid's particles came from, in their order, all of them and nothing else.
-  RestState(FluidStep& fluid, const std::vector<const ParticleBatch*>& batches);
+  RestState(FluidStep& fluid, const std::vector<SharedBatch>& batches);
 
   /// Whether there is a container at all.
   bool wanted() const;
@@ -44,6 +44,8 @@ class RestState {
   double meanSquareSpeedOn(Backend& device);
   template <class Backend>
   void findCarriedOn(Backend& device);
+  /// Of particles that are held where they are: each takes its place along.
+  void keepPlaces();
   /// Takes the weight from batches that were not held during the last steps, of this number; says whether
   /// there were any.
   bool unloadUnheld(int steps);
@@ -51,6 +53,7 @@ class RestState {
   /// A batch, and how it rests.
   struct Resting {
     const ParticleBatch* batch;
+    std::int64_t count;  ///< of all ranks
     bool weightless;
     double carried = 0;  ///< share of its weight that its container carries, summed over steps since a stop
     bool undecided() const { return batch->pressure == StartPressure::kAuto && !weightless; }
@@ -62,6 +65,8 @@ class RestState {
   double sumOfAll();
 
   Array<ExactSum> sum_;
+  bool holdsParts_ = false;  // whose places this rank has not in the batch
+  Attribute<Vec3f> places_;  // of each particle, if so
 };
 
 }  // namespace weir

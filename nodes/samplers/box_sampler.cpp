@@ -21,8 +21,8 @@ Lattice BoxSampler::lattice() const {
   const Aabb box{min, max};
   const Period filled = filledPeriod(box);
   for (int axis = 0; axis < 3; ++axis)
-    if (filled.along(axis)) return Lattice::inBox(box, requestedSpacing());
-  return Lattice::filling(box, requestedSpacing());
+    if (filled.along(axis)) return Lattice::inBox(box, requestedSpacing(), makers());
+  return Lattice::filling(box, requestedSpacing(), makers());
 }
 
 double BoxSampler::maxParticleCount() const {

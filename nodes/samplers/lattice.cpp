@@ -16,12 +16,13 @@ namespace weir {
 
 namespace {
 
-Lattice centredAt(const Vec3d& center, const Vec3d& count, double spacing) {
-  if (!(count.x * count.y * count.z <= Lattice::kMaxNodes))
+Lattice centredAt(const Vec3d& center, const Vec3d& count, double spacing, int ranks) {
+  if (!(count.x * count.y * count.z <= Lattice::kMaxNodes * ranks))
     throw sceneError(
         fmt::format("a spacing of {:.6g} m makes a lattice of {:.7g} x {:.7g} x {:.7g} = {:.3g} nodes",
                     spacing, count.x, count.y, count.z, count.x * count.y * count.z),
-        fmt::format("at most {:.0f}, the largest number of particles", Lattice::kMaxNodes),
+        fmt::format("at most {:.0f}, the largest number of particles{}", Lattice::kMaxNodes * ranks,
+                    ranks > 1 ? fmt::format(" of {} ranks", ranks) : ""),
         "make the fluid's spacing larger or the region smaller");
   const Vec3d ones{1, 1, 1};
   return {center - 0.5 * spacing * (count - ones),
@@ -35,12 +36,18 @@ struct Node {
   Vec3d at;  // m
 };
 
+/// floor((a·b - less)/c) of numbers whose product may need more than 64 bits.
+std::int64_t ratio(std::int64_t a, std::int64_t b, std::int64_t less, std::int64_t c) {
+  __extension__ using Wide = __int128;
+  return static_cast<std::int64_t>((Wide{a} * b - less) / c);
+}
+
 /// The node of that number in a lattice with rows. Row r begins with number floor(r·nodes/rows).
 Node nodeInRows(const Lattice& lattice, std::int64_t number) {
   const Lattice::Rows& of = *lattice.rows;
   const std::int64_t rows = lattice.count.y * lattice.count.z;
-  const std::int64_t row = ((number + 1) * rows - 1) / of.nodes;
-  const std::int64_t begin = row * of.nodes / rows, end = (row + 1) * of.nodes / rows;
+  const std::int64_t row = ratio(number + 1, rows, 1, of.nodes);
+  const std::int64_t begin = ratio(row, of.nodes, 0, rows), end = ratio(row + 1, of.nodes, 0, rows);
   const Vec3<std::int64_t> index{number - begin, row % lattice.count.y, row / lattice.count.y};
   const Vec3<std::int64_t> count{end - begin, lattice.count.y, lattice.count.z};
   Vec3d at;
@@ -68,11 +75,11 @@ std::pair<double, double> rowsIn(const Vec3d& size) {
 
 struct Sampling {
   const Lattice& lattice;
+  const LatticeShare& share;
   const Jitter& jitter;
   const std::function<bool(const Vec3f&)>& inside;
   const Displacement& displacement;
-  std::vector<std::vector<Vec3f>> chunks{};
-  static constexpr std::int64_t kChunk = 16384;  // nodes
+  LatticePoints chunks{};
 
   Vec3d jittered(std::int64_t number) const {
     Vec3d moved;
@@ -101,8 +108,9 @@ struct Sampling {
 
   void fill(std::int64_t chunk) {
     std::vector<Vec3f>& points = chunks[static_cast<std::size_t>(chunk)];
-    const std::int64_t end = std::min((chunk + 1) * kChunk, lattice.size());
-    for (std::int64_t i = chunk * kChunk; i < end; ++i) {
+    const std::int64_t begin = (share.turn + chunk * share.turns) * LatticeShare::kChunk,
+                       end = std::min(begin + LatticeShare::kChunk, lattice.size());
+    for (std::int64_t i = begin; i < end; ++i) {
       const Node n = node(i);
       const Vec3f p{static_cast<float>(n.at.x), static_cast<float>(n.at.y), static_cast<float>(n.at.z)};
       if (!inside || inside(p)) points.push_back(displaced(n.index, p));
@@ -112,23 +120,23 @@ struct Sampling {
 
 }  // namespace
 
-Lattice Lattice::inBox(const Aabb& box, float spacing) {
+Lattice Lattice::inBox(const Aabb& box, float spacing, int ranks) {
   const Vec3d lo{box.lo.x, box.lo.y, box.lo.z}, hi{box.hi.x, box.hi.y, box.hi.z};
   Vec3d count;
   for (int axis = 0; axis < 3; ++axis)
     count[axis] = std::max(1.0, std::round((hi[axis] - lo[axis]) / spacing));
-  return centredAt(0.5 * (lo + hi), count, spacing);
+  return centredAt(0.5 * (lo + hi), count, spacing, ranks);
 }
 
-Lattice Lattice::filling(const Aabb& box, float spacing) {
+Lattice Lattice::filling(const Aabb& box, float spacing, int ranks) {
   constexpr double kThin = kMinSpacings * (1 - kSettingRounding);
-  Lattice lattice = inBox(box, spacing);
+  Lattice lattice = inBox(box, spacing, ranks);
   const Vec3d low{box.lo.x, box.lo.y, box.lo.z}, high{box.hi.x, box.hi.y, box.hi.z};
   const Vec3d size = (1 / double(spacing)) * (high - low);
   const double volume = size.x * size.y * size.z;
   if (std::abs(double(lattice.size()) - volume) <= kExact * volume) return lattice;
   const double nodes = std::round(volume);
-  if (std::min({size.x, size.y, size.z}) < kThin || nodes > kMaxNodes) return lattice;
+  if (std::min({size.x, size.y, size.z}) < kThin || nodes > kMaxNodes * ranks) return lattice;
   const auto [y, z] = rowsIn(size);
   lattice.count = {static_cast<std::int64_t>(std::ceil(nodes / (y * z))), static_cast<std::int64_t>(y),
                    static_cast<std::int64_t>(z)};
@@ -136,31 +144,24 @@ Lattice Lattice::filling(const Aabb& box, float spacing) {
   return lattice;
 }
 
-Lattice Lattice::around(const Vec3f& center, float reach, float spacing, const Vec3<bool>& between) {
+Lattice Lattice::around(const Vec3f& center, float reach, float spacing, const Vec3<bool>& between,
+                        int ranks) {
   const double nodes = double(reach) / spacing;
   Vec3d count;
   for (int axis = 0; axis < 3; ++axis)
     count[axis] = between[axis] ? 2 * std::floor(nodes + 0.5) : 1 + 2 * std::floor(nodes);
-  return centredAt({center.x, center.y, center.z}, count, spacing);
+  return centredAt({center.x, center.y, center.z}, count, spacing, ranks);
 }
 
-std::vector<Vec3f> sampleLattice(const Lattice& lattice, const Jitter& jitter, int threads,
-                                 const std::function<bool(const Vec3f&)>& inside,
-                                 const Displacement& displacement) {
-  Sampling sampling{lattice, jitter, inside, displacement};
-  const std::int64_t chunks = (lattice.size() + Sampling::kChunk - 1) / Sampling::kChunk;
+LatticePoints sampleLattice(const Lattice& lattice, const LatticeShare& share, const Jitter& jitter,
+                            int threads, const std::function<bool(const Vec3f&)>& inside,
+                            const Displacement& displacement) {
+  Sampling sampling{lattice, share, jitter, inside, displacement};
+  const std::int64_t chunks = share.chunksOf(lattice.size());
   sampling.chunks.resize(static_cast<std::size_t>(chunks));
   CpuThreads(threads).run(
       chunks, [](void* self, std::int64_t chunk) { static_cast<Sampling*>(self)->fill(chunk); }, &sampling);
-  std::size_t count = 0;
-  for (const auto& chunk : sampling.chunks) count += chunk.size();
-  std::vector<Vec3f> points;
-  points.reserve(count);
-  for (auto& chunk : sampling.chunks) {
-    points.insert(points.end(), chunk.begin(), chunk.end());
-    std::exchange(chunk, {});  // both would be twice the memory
-  }
-  return points;
+  return std::move(sampling.chunks);
 }
 
 }  // namespace weir

@@ -11,8 +11,8 @@ namespace weir {
 
 std::vector<Lattice> MeshSampler::lattices(bool closed) const {
   const Aabb box = surface->bounds();
-  std::vector<Lattice> all{Lattice::inBox(box, requestedSpacing())};
-  if (closed && margin == 0) all.push_back(Lattice::filling(box, requestedSpacing()));
+  std::vector<Lattice> all{Lattice::inBox(box, requestedSpacing(), makers())};
+  if (closed && margin == 0) all.push_back(Lattice::filling(box, requestedSpacing(), makers()));
   return all;
 }
 

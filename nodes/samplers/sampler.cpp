@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "framework/communication/shared_by_ranks.h"
 #include "framework/compute/dispatch.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
@@ -48,7 +52,41 @@ void fitInto(const Period& filled, const Lattice& lattice, std::vector<Vec3f>& p
   for (Vec3f& p : positions) p = filled.wrapped(p);
 }
 
+std::int64_t countOf(const LatticePoints& points) {
+  std::int64_t count = 0;
+  for (const auto& chunk : points) count += std::ssize(chunk);
+  return count;
+}
+
+/// Which of all points those of this rank are.
+std::vector<BatchPart::Run> runsOf(const std::vector<std::int64_t>& ownCounts, Communicator& ranks) {
+  const auto bytes = std::as_bytes(std::span(ownCounts));
+  std::vector<std::vector<std::int64_t>> counts;
+  for (const Message& message : ranks.allGather(Message(bytes.begin(), bytes.end()))) {
+    std::vector<std::int64_t>& of = counts.emplace_back(message.size() / sizeof(std::int64_t));
+    if (!of.empty()) std::memcpy(of.data(), message.data(), message.size());
+  }
+  std::vector<BatchPart::Run> runs;
+  std::int64_t first = 0, number = 0;
+  for (std::size_t turn = 0; turn < counts.front().size(); ++turn)
+    for (std::size_t rank = 0; rank < counts.size() && turn < counts[rank].size(); ++rank) {
+      const std::int64_t count = counts[rank][turn];
+      if (static_cast<int>(rank) == ranks.rank() && count > 0) {
+        runs.push_back({first, number, count});
+        first += count;
+      }
+      number += count;
+    }
+  return runs;
+}
+
 }  // namespace
+
+bool Sampler::makesPart() const {
+  return ranks_ != nullptr && std::ranges::all_of(particles.links(), [](const InputPort* reader) {
+           return dynamic_cast<const SharedByRanks*>(&reader->node()) != nullptr;
+         });
+}
 
 void Sampler::fill(const SetupContext& context, const std::vector<Lattice>& lattices, double volume,
                    const std::function<Region()>& region, const std::function<bool(const Vec3f&)>& inside,
@@ -64,25 +102,50 @@ void Sampler::fill(const SetupContext& context, const std::vector<Lattice>& latt
       return tile->displacement(x, y, z);
     };
   }
-  std::vector<Vec3f> positions;
+  const LatticeShare share{makesPart() ? ranks_->rank() : 0, makers()};
+  LatticePoints points;
+  sampled_ = 0;
   double error = std::numeric_limits<double>::infinity();
   for (const Lattice& lattice : lattices) {
     if (error <= Lattice::kExact) break;
-    std::vector<Vec3f> found = sampleLattice(lattice, {jitter, number}, threads, inside, displacement);
-    const double fills = double(found.size()) * lattice.spacing * lattice.spacing * lattice.spacing,
+    LatticePoints found = sampleLattice(lattice, share, {jitter, number}, threads, inside, displacement);
+    const std::int64_t count = countOfAll(found);
+    const double fills = double(count) * lattice.spacing * lattice.spacing * lattice.spacing,
                  foundError = std::abs(fills / volume - 1);
-    if (!positions.empty() && (found.empty() || foundError >= error)) continue;
+    if (sampled_ > 0 && (count == 0 || foundError >= error)) continue;
     error = foundError;
-    positions = std::move(found);
+    sampled_ = count;
+    points = std::move(found);
   }
-  if (positions.empty())
+  if (sampled_ == 0)
     throw sceneError(fmt::format("no particle fits in at a spacing of {:.6g} m", lattices.front().spacing),
                      "a region that is several spacings thick");
-  fitInto(filled, lattices.front(), positions);
-  particles->assign(context.device, positions, velocity.get());
-  particles->container.reset();
+  for (std::vector<Vec3f>& chunk : points) fitInto(filled, lattices.front(), chunk);
+  put(context.device, std::move(points));
   if (relaxed()) putInside(context, region());
-  sampled_ = particles->count;
+}
+
+std::int64_t Sampler::countOfAll(const LatticePoints& points) const {
+  const std::int64_t own = countOf(points);
+  return makesPart() ? ranks_->sum(own) : own;
+}
+
+void Sampler::put(Device& device, LatticePoints points) {
+  particles->count = countOf(points);
+  particles->positions = Array<Vec3f>(device, particles->count);
+  particles->velocities = Array<Vec3f>(device);
+  particles->velocity = velocity;
+  particles->container.reset();
+  std::vector<std::int64_t> counts;
+  Vec3f* to = particles->positions.data();
+  for (std::vector<Vec3f>& chunk : points) {
+    if (!chunk.empty()) device.upload(to, chunk.data(), chunk.size() * sizeof(Vec3f));
+    to += chunk.size();
+    counts.push_back(std::ssize(chunk));
+    std::exchange(chunk, {});  // both would be twice the memory
+  }
+  part_ = {};
+  if (makesPart()) part_ = {sampled_, runsOf(counts, *ranks_)};
   seen_ = false;
 }
 
@@ -103,12 +166,12 @@ Sampler::Region Sampler::regionOf(const SetupContext& context, Shape shape) cons
 
 void Sampler::warnOfRounding(const SetupContext& context, double volume, float spacing) const {
   constexpr double kNoticeable = 0.1;
-  const double filled = static_cast<double>(particles->count) * spacing * spacing * spacing;
+  const double filled = static_cast<double>(sampled_) * spacing * spacing * spacing;
   if (std::abs(filled / volume - 1) > kNoticeable)
     context.log.warn(
         fmt::format("node '{}': its {} particles of {:.6g} m fill {:.3g} m³, {:+.0f} % of the "
                     "region's {:.3g} m³",
-                    name(), particles->count, spacing, filled, 100 * (filled / volume - 1), volume));
+                    name(), sampled_, spacing, filled, 100 * (filled / volume - 1), volume));
 }
 
 void Sampler::warnOfStretch(const SetupContext& context, const Lattice& lattice, const Period& filled) const {
@@ -137,12 +200,14 @@ void Sampler::warnOfThinness(const SetupContext& context, double thickness, floa
 
 void Sampler::estimate(const SetupContext& context, MemoryNeeds& needs) {
   particles->maxCount = maxParticleCount();
-  const int onDevice = context.device.kind() == DeviceKind::kCpu ? ranksHere_ : 1;
-  if (relaxed() || !isShared_) needs.add(onDevice * bytesOfArrays(particles->maxCount, particles->positions));
+  const int ranksHere = ranks_ != nullptr ? ranks_->sizeHere() : 1,
+            onDevice = context.device.kind() == DeviceKind::kCpu ? ranksHere : 1;
+  // Fluids that ranks share know what each has of them, and how long.
+  if (!makesPart()) needs.add(onDevice * bytesOfArrays(particles->maxCount, particles->positions));
   if (relaxed()) needs.add(onDevice * regionMemory());
   needs.remedy = [](double) { return std::string(); };  // the fluid's spacing decides
-  // sampleLattice() holds all points twice for a moment, and fill() those of another lattice.
-  needs.host = ranksHere_ * 3 * sizeof(Vec3f) * particles->maxCount;
+  // Of two lattices, fill() holds the points of both for a moment.
+  needs.host = ranksHere * 2 * sizeof(Vec3f) * std::ceil(particles->maxCount / makers());
 }
 
 void Sampler::frame(const StepContext&) {

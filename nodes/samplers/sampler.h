@@ -5,6 +5,9 @@
 // disordered, their arrangement is that of fluid at rest: the lattice's nodes are moved as in a RelaxedTile,
 // and what would be outside is mirrored at the region's surface. The fluid then lets them come to rest in the
 // region, as if that were a container, before the simulation starts (see RestState).
+//
+// Whether a node is inside and where its particle is depend on that node alone, so ranks take chunks of nodes
+// by turns.
 #pragma once
 
 #include <array>
@@ -14,13 +17,14 @@
 #include "framework/communication/on_ranks.h"
 #include "framework/graph/node.h"
 #include "framework/particles/arrangement.h"
+#include "framework/particles/made_by_ranks.h"
 #include "framework/particles/particle_batch.h"
 #include "nodes/samplers/lattice.h"
 #include "nodes/static_boundary/boundary.h"
 
 namespace WEIR_API weir {
 
-class Sampler : public Node, public OnRanks {
+class Sampler : public Node, public OnRanks, public MadeByRanks {
  public:
   explicit Sampler(StartPressure usual = StartPressure::kAuto)
       : pressure(*this, "pressure", usual, {.doc = "Of a relaxed arrangement at the start."}) {}
@@ -43,9 +47,10 @@ class Sampler : public Node, public OnRanks {
 
   Output<ParticleBatch> particles{*this, "particles", "The particles, there from the start."};
 
-  /// Each rank has all particles: until the first step where they are to come to rest, otherwise only until
-  /// the fluid has taken them.
-  void join(Communicator& ranks) final { ranksHere_ = ranks.sizeHere(), isShared_ = true; }
+  void join(Communicator& ranks) final { ranks_ = &ranks; }
+  /// Those who read the particles share them by ranks, too, or else each rank has all.
+  BatchPart* part() final { return makesPart() ? &part_ : nullptr; }
+  bool rests() const final { return relaxed(); }
   void estimate(const SetupContext& context, MemoryNeeds& needs) final;
   /// Those who read the particles have done so in reset(), at the first frame or, if there was none, in the
   /// first step.
@@ -66,6 +71,8 @@ class Sampler : public Node, public OnRanks {
   virtual double regionMemory() const { return 0; }
   /// What the fluid below asks for; throws a scene Error if there is none.
   float requestedSpacing() const;
+  /// How many ranks make its particles together.
+  int makers() const { return makesPart() ? ranks_->size() : 1; }
   /// The fluid's periodic domain along the axes along which the box fills it; along no other.
   Period filledPeriod(const Aabb& box) const;
   bool relaxed() const;
@@ -88,14 +95,18 @@ class Sampler : public Node, public OnRanks {
   void warnOfThinness(const SetupContext& context, double thickness, float spacing) const;
 
  private:
+  bool makesPart() const;
+  /// How many particles all who make them have found.
+  std::int64_t countOfAll(const LatticePoints& points) const;
+  void put(Device& device, LatticePoints points);
   void putInside(const SetupContext& context, const Region& region);
   template <class Backend>
   void putInsideOn(Backend& device, const Region& region);
 
-  int ranksHere_ = 1;  // that share this machine's memory
-  bool isShared_ = false;
-  std::int64_t sampled_ = 0;
-  bool seen_ = false;  // at a frame, since the reset
+  Communicator* ranks_ = nullptr;
+  BatchPart part_;
+  std::int64_t sampled_ = 0;  // by all ranks
+  bool seen_ = false;         // at a frame, since the reset
 };
 
 }  // namespace weir

@@ -12,7 +12,7 @@ std::vector<Lattice> SphereSampler::lattices() const {
   std::vector<Lattice> all;
   for (const Vec3<bool>& between :
        {Vec3<bool>{}, {true, true, true}, {false, false, true}, {true, true, false}})
-    all.push_back(Lattice::around(center, reach, spacing, between));
+    all.push_back(Lattice::around(center, reach, spacing, between, makers()));
   return all;
 }
 
