@@ -8,6 +8,7 @@
 
 #include "framework/communication/ranks_report.h"
 #include "framework/compute/dispatch.h"
+#include "framework/particles/counts_removed.h"
 #include "framework/particles/make_room.h"
 #include "nodes/particle_fluid/frame_on_ranks.h"
 #include "nodes/particle_fluid/initial_batches.h"
@@ -195,15 +196,16 @@ void ParticleFluid::forgetSinks() {
   for (int* const counter : sinkCounters()) state_->particles.device().fillBytes(counter, 0, sizeof(int));
 }
 
-/// Counts of removed particles move to rank 0, which reports them.
+/// What all have removed since the last frame.
 void ParticleFluid::sumSinksOfRanks() {
   Device& device = state_->particles.device();
-  for (int* const counter : sinkCounters()) {
-    int own = 0;
+  for (std::size_t i = 0; i < sinks.size(); ++i) {
+    auto* const sink = dynamic_cast<CountsRemoved*>(&sinks.links()[i]->node());
+    if (sink == nullptr || sinks[i].pieces.empty()) continue;
+    int own = 0, *const counter = sinks[i].pieces.front().removed;
     device.download(&own, counter, sizeof(own));
-    const auto all = static_cast<int>(ranks_->sum(own));
-    own = ranks_->rank() == 0 ? all : 0;
-    device.upload(counter, &own, sizeof(own));
+    device.fillBytes(counter, 0, sizeof(own));
+    sink->addRemoved(ranks_->sum(own));
   }
 }
 

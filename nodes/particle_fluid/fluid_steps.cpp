@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/compute/dispatch.h"
@@ -148,15 +149,29 @@ void ParticleFluid::refreshLooks(const StepContext& context) {
   });
 }
 
+namespace {
+
+EventsOfAll wide(const NeighborEvents& events) {
+  return {events.truncated, events.escaped, events.nonFinite, events.cutOffByOrder};
+}
+
+/// As checkpoints have them.
+int atMostInt(std::int64_t count) {
+  return static_cast<int>(std::min<std::int64_t>(count, std::numeric_limits<int>::max()));
+}
+
+}  // namespace
+
 void ParticleFluid::sumEvents() {
-  const NeighborEvents own = state_->neighbors.eventsOnHost(), &more = state_->moreEvents;
+  const EventsOfAll own = wide(state_->neighbors.eventsOnHost()), more = wide(state_->moreEvents);
   std::array<std::int64_t, 4> sums{own.truncated + more.truncated, own.escaped + more.escaped,
                                    own.nonFinite + more.nonFinite, own.cutOffByOrder + more.cutOffByOrder};
   if (divided_) ranks_->sum(sums);
-  state_->events = {.truncated = int(sums[0]),
-                    .escaped = int(sums[1]),
-                    .nonFinite = int(sums[2]),
-                    .cutOffByOrder = int(sums[3])};
+  if (frame_) frame_->events = {sums[0], sums[1], sums[2], sums[3]};
+  state_->events = {.truncated = atMostInt(sums[0]),
+                    .escaped = atMostInt(sums[1]),
+                    .nonFinite = atMostInt(sums[2]),
+                    .cutOffByOrder = atMostInt(sums[3])};
 }
 
 void ParticleFluid::checkEvents() {
@@ -202,14 +217,15 @@ void ParticleFluid::report(NodeReport& report) {
   writeFluidStatistics(particleCount(), sums, constants_, state.gravity, report.statistics);
   report.statistics["rest_steps"] = state.restSteps;
   report.statistics["bulk_modulus"] = double(constants_.bulkModulus) / constants_.stiffened;
-  report.statistics["neighbors_truncated"] = state.events.truncated;
-  report.statistics["particles_escaped"] = state.events.escaped;
-  report.statistics["particles_not_finite"] = state.events.nonFinite;
+  const EventsOfAll events = frame_ ? frame_->events : wide(state.events);
+  report.statistics["neighbors_truncated"] = events.truncated;
+  report.statistics["particles_escaped"] = events.escaped;
+  report.statistics["particles_not_finite"] = events.nonFinite;
   report.events.push_back(
-      {"neighbour lists were cut off (more neighbours than there is room for)", state.events.truncated});
-  report.events.push_back({"particles left the domain and were removed", state.events.escaped});
+      {"neighbour lists were cut off (more neighbours than there is room for)", events.truncated});
+  report.events.push_back({"particles left the domain and were removed", events.escaped});
   report.events.push_back(
-      {"particles with positions that are NaN or infinite were removed", state.events.nonFinite});
+      {"particles with positions that are NaN or infinite were removed", events.nonFinite});
   pipeline_.forEachEnabled("report", [&](FluidModule& module) { module.report(report); });
 }
 

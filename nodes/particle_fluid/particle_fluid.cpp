@@ -20,6 +20,7 @@
 #include "nodes/particle_fluid/modules/wall_integrals.h"
 #include "nodes/particle_fluid/modules/xsph.h"
 #include "nodes/particle_fluid/own_wall_factor.h"
+#include "nodes/particle_fluid/particle_limit.h"
 #include "nodes/particle_fluid/rest_state.h"
 
 namespace weir {
@@ -136,11 +137,13 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
     const double fitting = d / std::cbrt(share), digit = std::pow(10, std::floor(std::log10(fitting)) - 2);
     return fmt::format("a spacing of at least {:.3g} m", std::ceil(fitting / digit) * digit);
   };
-  constexpr double kMax = std::numeric_limits<int>::max();
-  if (!(maxParticles_ <= kMax))
-    throw sceneError(fmt::format("at a spacing of {:.4g} m the fluid would get {:.4g} particles",
-                                 spacing.get(), maxParticles_),
-                     fmt::format("at most {:.0f}", kMax), needs.remedy(kMax / maxParticles_));
+  const ShareOfRank share = ranks_ != nullptr ? shareOfRank(maxParticles_) : ShareOfRank{maxParticles_, 0};
+  checkParticleCount({.all = maxParticles_,
+                      .onRank = share.own + share.halo,
+                      .ranks = ranks_ != nullptr ? ranks_->size() : 0,
+                      .gathered = ranks_ != nullptr && isGathered(),
+                      .spacing = spacing},
+                     needs.remedy);
   needs.particles = maxParticles_;
   const auto memory = [&](double particles) {
     return ranks_ != nullptr ? memoryOnRanks(context.device, particles)

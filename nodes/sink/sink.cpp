@@ -40,6 +40,7 @@ void Sink::reset(const SetupContext& context) {
   *sink = {};
   removed_ = Array<int>(context.device, 1);
   removed_->fillZero();
+  removedBefore_ = 0;
   if (min.get()) sink->pieces.push_back({.box = {*min.get(), *max.get()}, .removed = removed_->data()});
   const float spacing = finestSpacing();
   for (std::size_t i = 0; i < meshes.size() && spacing > 0; ++i) addMesh(context, i, spacing);
@@ -58,7 +59,8 @@ void Sink::addMesh(const SetupContext& context, std::size_t link, float spacing)
 }
 
 void Sink::report(NodeReport& report) {
-  if (!removed_->empty()) report.statistics["particles_removed"] = removed_->toHost().front();
+  if (!removed_->empty())
+    report.statistics["particles_removed"] = removedBefore_ + removed_->toHost().front();
 }
 
 }  // namespace weir

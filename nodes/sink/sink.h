@@ -10,12 +10,12 @@
 #include "framework/communication/on_ranks.h"
 #include "framework/geometry/triangle_mesh.h"
 #include "framework/graph/node.h"
+#include "framework/particles/counts_removed.h"
 #include "framework/particles/sink_region.h"
 
 namespace WEIR_API weir {
 
-/// On several ranks, fluids move what they count there to rank 0 at every frame.
-class Sink final : public Node, public OnRanks {
+class Sink final : public Node, public OnRanks, public CountsRemoved {
  public:
   static constexpr NodeInfo kInfo{"Sink",
                                   "Removes the particles of fluids inside a box or inside closed meshes.",
@@ -43,6 +43,7 @@ class Sink final : public Node, public OnRanks {
   void reset(const SetupContext& context) override;
   /// How many particles it has removed since the reset.
   void report(NodeReport& report) override;
+  void addRemoved(std::int64_t particles) override { removedBefore_ += particles; }
 
  private:
   /// That of the finest fluid, which decides; 0 if nobody asks, as then there is nothing to remove.
@@ -51,7 +52,8 @@ class Sink final : public Node, public OnRanks {
   float cellFor(float spacing) const { return cellSize.get().value_or(0.5f * spacing); }
   void addMesh(const SetupContext& context, std::size_t link, float spacing);
 
-  State<Array<int>> removed_{*this, "removed"};  // one number
+  State<Array<int>> removed_{*this, "removed"};                 // one number
+  State<std::int64_t> removedBefore_{*this, "removed_before"};  // which that has not
 };
 
 }  // namespace weir

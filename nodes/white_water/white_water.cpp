@@ -90,6 +90,7 @@ void WhiteWater::reset(const SetupContext& context) {
   waited_ = 0;
   removed_ = Array<int>(device, 1);
   removed_->fillZero();
+  removedBefore_ = 0;
   warned_ = false;
 
   poses_ = Array<Pose>(device);
@@ -226,7 +227,7 @@ void WhiteWater::report(NodeReport& report) {
   v["foam"] = tally.kinds.y;
   v["bubbles"] = tally.kinds.z;
   v["particles_made"] = made_.get();
-  v["particles_removed"] = removed_->toHost().front();
+  v["particles_removed"] = removedBefore_ + removed_->toHost().front();
   v["particles_refused"] = refused_.get();
   report.events.push_back(
       {"white-water particles were not made, as there were max_particles", refused_.get()});

@@ -264,8 +264,9 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
   std::unique_ptr<Shared> shared_;         // on several ranks, from the reset on
   State<double> waited_{*this, "waited"};  // since its last step, s
   State<std::int64_t> steps_{*this, "steps"}, made_{*this, "made"}, refused_{*this, "refused"};
-  State<Array<int>> removed_{*this, "removed"};  // by sinks; one number
-  State<Array<Pose>> poses_{*this, "poses"};     // of the solids, see WallsOfFluid
+  State<Array<int>> removed_{*this, "removed"};                 // by sinks; one number
+  State<std::int64_t> removedBefore_{*this, "removed_before"};  // by all ranks, which that has not
+  State<Array<Pose>> poses_{*this, "poses"};                    // of the solids, see WallsOfFluid
 };
 
 }  // namespace weir

@@ -108,10 +108,10 @@ void WhiteWater::lookOnRanks() {
   report["step_ms"] = stepTimesOfRanks(ranks, shared_->particles.times(), shared_->stepsTimed);
 }
 
-/// What sinks have removed moves to rank 0, which reports it.
+/// What sinks have removed since the last frame.
 void WhiteWater::sumRemoved() {
-  const auto all = static_cast<int>(shared_->particles.ranks().sum(removed_->toHost().front()));
-  removed_->assign(std::vector<int>{ranks_->rank() == 0 ? all : 0});
+  removedBefore_ += shared_->particles.ranks().sum(removed_->toHost().front());
+  removed_->fillZero();
 }
 
 void WhiteWater::gatherAll() {

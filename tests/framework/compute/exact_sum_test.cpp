@@ -57,6 +57,17 @@ TEST(ExactSum, NaNCountsAsNothingAndWhatIsTooLargeAsTheBound) {
   EXPECT_EQ(ExactSum(-1e300).value(), -2147483647.0);
 }
 
+/// As many as ranks may have together (particle_limit.h).
+TEST(ExactSum, HasRoomFor4294967296TermsWhateverTheyAre) {
+  constexpr int kDoublings = 32;
+  const double below1 = std::nextafter(1.0, 0.0), belowFine = std::ldexp(below1, -31);
+  for (const double term : {below1, -below1, belowFine, 1073741823.5, -1073741823.5}) {
+    ExactSum sum(term);
+    for (int k = 0; k < kDoublings; ++k) sum += ExactSum(sum);
+    EXPECT_EQ(sum.value(), std::ldexp(ExactSum(term).value(), kDoublings)) << term;
+  }
+}
+
 /// Of each kind one, and another that is scaled.
 struct Numbers {
   double share = 0, square = 0, farthest = 0, slope = 0;

@@ -22,6 +22,7 @@ class Drained {
     scene_.graph().add(std::make_unique<GivenMesh>(std::move(mesh)), "body");
     scene_.graph().link(SceneGraph::parseLink("body.surface -> drain.meshes"));
   }
+  Sink& sink() { return *sink_; }
   std::int64_t removed() {
     NodeReport report;
     sink_->report(report);
@@ -120,6 +121,17 @@ TEST(Sink, TwoSinksCountOnTheirOwn) {
   EXPECT_EQ(drain.removed(), 1);
   EXPECT_EQ(report.statistics["particles_removed"], Value(2));
   EXPECT_EQ(scene.fluid().particleCount(), 1);
+}
+
+TEST(Sink, CountsMoreOfAllRanksThan32BitsHold) {
+  const auto device = openDevice("cpu");
+  FluidScene scene(*device, {{0, 0, 0}, {1, 0, 0}}, {}, object({{"spacing", 0.1}}));
+  Drained drain(scene, object({{"min", Value::Array{0.5, -1, -1}}, {"max", Value::Array{1.5, 1, 1}}}));
+  scene.reset(1e-3);
+  for (int frame = 0; frame < 2; ++frame) drain.sink().addRemoved(3'000'000'000);
+  EXPECT_EQ(drain.removed(), 6'000'000'001);
+  scene.reset(1e-3);
+  EXPECT_EQ(drain.removed(), 1);
 }
 
 TEST(Sink, RefusesHalfABoxAndNothing) {
