@@ -1,3 +1,4 @@
+// Room in a set before its particles come.
 #pragma once
 
 #include "framework/particles/particle_set.h"
