@@ -19,7 +19,7 @@ struct BodiesAtParticles {
   SolidPairsView pairs;
   ArrayView<const int> near;
   ArrayView<const Vec3f> predicted;
-  ArrayView<const Vec3f> wallOfPair;  ///< w, of each pair
+  ArrayView<const Vec4f> wallOfPair;  ///< of each pair w, and what its wall carries, as q
   double particleMass;
 
   /// f(k, body, w, arm, pair) of each body k that particle i pushes.
@@ -35,7 +35,7 @@ struct BodiesAtParticles {
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
       const int k = pairs.solid[pair];
       if (const FreeBody* body = solids[k].body)
-        f(k, *body, doubleOf(wallOfPair[pair]), doubleOf(predicted[i]) - body->predicted.center, pair);
+        f(k, *body, doubleOf(xyz(wallOfPair[pair])), doubleOf(predicted[i]) - body->predicted.center, pair);
     }
   }
 };
@@ -52,6 +52,18 @@ struct SumWrenches {
     if (push == 0) return;
     bodies.forEach(i, [&](int k, const FreeBody&, const Vec3d& w, const Vec3d& arm, int) {
       give(k, [&] { return push * Twist{w, cross(arm, w)}; });
+    });
+  }
+};
+
+/// The same of what walls carry.
+struct SumCarried {
+  BodiesAtParticles bodies;
+
+  template <class Give>
+  WEIR_HD void operator()(std::int64_t n, const Give& give) const {
+    bodies.forEach(bodies.near[n], [&](int k, const FreeBody&, const Vec3d& w, const Vec3d& arm, int pair) {
+      give(k, [&] { return double(bodies.wallOfPair[pair].w) * Twist{w, cross(arm, w)}; });
     });
   }
 };
@@ -102,18 +114,18 @@ struct PreconditionBodies {
   }
 };
 
-/// Bodies go where their new velocities lead.
+/// Bodies go where these changes lead.
 struct DisplaceBodies {
   ArrayView<const SolidView> solids;
   double dt;
 
   WEIR_HD void operator()(std::int64_t k) const {
-    if (FreeBody* body = solids[k].body) body->displacement = dt * body->change;
+    if (FreeBody* body = solids[k].body) body->displacement += dt * body->change;
   }
 };
 
 /// Φ of particles at bodies follows these. What is told of pressure (SolidContact) is share·∇Φ of each solid:
-/// here it is made q·dt·w, to rounding.
+/// here it is made the displacement that the body gave, to rounding.
 struct TellOfBodies {
   BodiesAtParticles bodies;
   float dt;
@@ -128,15 +140,20 @@ struct TellOfBodies {
       const Vec3d gradient = doubleOf(xyz(each[pair]));
       lifted += dot(gradient, body.displacement.at(arm));
       steep += length(gradient);
-      push += length(w);
+      push += length(given(i, w, pair));
     });
     lift[i] = float(lifted);
-    const double perShare = push > 0 ? -steep / push : 0;  // of w
-    if (push > 0) share[i] = float(dt * q[i] / perShare);
+    share[i] = steep > 0 ? float(-push / steep) : 0.0f;
+    if (share[i] == 0) return;
     bodies.forAll(i, [&](int, const FreeBody&, const Vec3d& w, const Vec3d&, int pair) {
-      const Vec3f to = floatOf(perShare * w);
+      const Vec3f to = floatOf(1 / double(share[i]) * given(i, w, pair));
       each[pair] = {to.x, to.y, to.z, each[pair].w};
     });
+  }
+
+ private:
+  WEIR_HD Vec3d given(int i, const Vec3d& w, int pair) const {
+    return double(dt) * (double(q[i]) + double(bodies.wallOfPair[pair].w)) * w;
   }
 };
 

@@ -50,16 +50,19 @@ WEIR_HD inline float roomFor(float lambda, float dt) {
   return below / kClosing + (below > kFree ? (below - kFree) / dt : 0.0f);
 }
 
-/// N; Σ k·(n·N·n)·n over the planes of walls, and of each solid alone where bodies are moved; s less what the
-/// walls' motion adds to D·v.
+/// N; w = Σ k·(n·N·n)·n over the planes of walls, and of each solid alone where bodies are moved; s less what
+/// the walls' motion adds to D·v; and what walls carry: a pressure that grows with depth is at a wall not q
+/// but q − y·n·(dt·g), at least 0 and at most 2·q.
 struct FindMoments {
   ProjectionPacking packing;
   WallFieldView walls;
   WallPlanes planes;
   float dt;
+  Vec3f fall;  // dt·g
   ArrayView<const Vec3f> velocities;
-  ArrayView<Vec3f> diagonal, off, wall;
-  ArrayView<Vec3f> wallOfPair;  // of each pair of a particle and a solid; empty where nobody asks for it
+  ArrayView<const float> q;
+  ArrayView<Vec3f> diagonal, off, wall, carried;
+  ArrayView<Vec4f> wallOfPair;  // of BodiesAtParticles; empty where nobody asks for it
   ArrayView<float> room;
 
   WEIR_HD void operator()(std::int64_t i) const {
@@ -85,18 +88,22 @@ struct FindMoments {
  private:
   WEIR_HD void write(std::int64_t i, const PlanesAtParticle& at, const SymmetricTensor& n,
                      float lambda) const {
-    Vec3f push{};
+    Vec3f push{}, carries{};
     float moving = 0;
     if (wallOfPair.size > 0) forgetPairs(i);
     at.forEach([&](const WallPlane& of) {
       const float k = of.push * dot(of.normal, n * of.normal);
       push += k * of.normal;
       moving += k * dot(of.normal, of.velocity);
-      if (of.pair >= 0 && wallOfPair.size > 0) wallOfPair[of.pair] = k * of.normal;
+      const float more = clamped(-of.distance * dot(of.normal, fall), -q[i], q[i]);
+      carries += k * more * of.normal;
+      const Vec3f w = k * of.normal;
+      if (of.pair >= 0 && wallOfPair.size > 0) wallOfPair[of.pair] = {w.x, w.y, w.z, more};
     });
     diagonal[i] = n.diagonal;
     off[i] = n.off;
     wall[i] = push;
+    carried[i] = carries;
     room[i] = roomFor(lambda, dt) - moving;
   }
   WEIR_HD void forgetPairs(std::int64_t i) const {

@@ -34,7 +34,7 @@ void TwoProjections::fit(FluidStep& fluid) {
              displacement_, rowX_, rowY_, rowZ_, q_, room_, source_, residual_, direction_, product_,
              preconditioner_);
   if (wrenches_.data() == nullptr)
-    wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec3f>(fluid.device);
+    wrenches_ = Array<Twist>(fluid.device), wallOfPair_ = Array<Vec4f>(fluid.device);
   wrenches_.resizeDiscarding(fluid.walls.views.size());
   wallOfPair_.resizeDiscarding(fluid.walls.moves ? fluid.walls.pairs.room() : 0);
   if (sums_.data() != nullptr) return;

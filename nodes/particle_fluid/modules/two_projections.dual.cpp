@@ -20,6 +20,13 @@ constexpr float kRelaxation = 0.5f;  // of the correction of positions
 constexpr float kSoftening = 1e-2f;  // per spacing², for particles with hardly a neighbour
 constexpr int kRounds = 6;           // of conjugate gradients, each with other particles under pressure
 
+/// What walls carry of the fluid's fall.
+struct Carry {
+  ArrayView<const Vec3f> carried;
+  ArrayView<Vec3f> u;
+  WEIR_HD void operator()(std::int64_t i) const { u[i] += carried[i]; }
+};
+
 /// v, the displacement dt·(v − v*) and where it leads; the share of walls in it.
 struct Finish {
   float dt, toPressure;
@@ -27,11 +34,13 @@ struct Finish {
   ArrayView<const float> q;
   ArrayView<const Vec3f> positions, u, push, wall;
   ArrayView<Vec4f> state;
-  ArrayView<Vec3f> displacement, velocities;
+  ArrayView<Vec3f> displacement;  // on entry what walls carry
+  ArrayView<Vec3f> velocities;
   ArrayView<float> pressure;
 
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec3f v = u[i] + push[i], p = xyz(state[i]), to = p + dt * v;
+    const Vec3f byWalls = q[i] * wall[i] + displacement[i];
     velocities[i] = v;
     displacement[i] = to - positions[i];
     state[i] = {to.x, to.y, to.z, 0};
@@ -39,7 +48,7 @@ struct Finish {
     if (walls.share.size == 0) return;
     const Vec3f toWall = walls.push(i, p).gradPhi;
     const float square = dot(toWall, toWall);
-    if (square > 0) walls.share[i] += dt * q[i] * dot(wall[i], toWall) / square;
+    if (square > 0) walls.share[i] += dt * dot(byWalls, toWall) / square;
   }
 };
 
@@ -94,10 +103,13 @@ void TwoProjections::findMoments(Backend& device, FluidStep& fluid) {
                           .walls = fluid.walls.view(),
                           .planes = planes,
                           .dt = static_cast<float>(fluid.time.dt),
+                          .fall = static_cast<float>(fluid.time.dt) * fluid.time.gravity,
                           .velocities = u_.view(),
+                          .q = q_.view(),
                           .diagonal = diagonal_.view(),
                           .off = off_.view(),
                           .wall = wall_.view(),
+                          .carried = displacement_.view(),
                           .wallOfPair = wallOfPair_.view(),
                           .room = room_.view()});
   fluid.exchange(diagonal_.view());
@@ -125,20 +137,28 @@ void TwoProjections::apply(Backend& device, FluidStep& fluid, Count count, const
   parallelFor(device, "push", count, projection::PushOf{packing, of.view(), push_.view()});
   fluid.exchange(push_.view());
   parallelFor(device, "divergence", count, Divergence{packing, push_.view(), product_.view()});
-  applyBodies(device, fluid, of);
+  if (fluid.walls.moves) changeBodies(device, fluid, SumWrenches{bodiesOf(fluid), of.view()}, product_);
+}
+
+template <class Backend, class Sum>
+void TwoProjections::changeBodies(Backend& device, FluidStep& fluid, const Sum& sum,
+                                  Array<float>& divergence) {
+  const WallField& walls = fluid.walls;
+  const BodiesAtParticles bodies = bodiesOf(fluid);
+  sumByKeyOverRanks(device, "wrenches", {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()},
+                    bodies.solids.size, sum, weir::detail::AddTwists{}, wrenches_.data());
+  parallelFor(device, "change bodies", bodies.solids.size,
+              ChangeBodies{bodies.solids, wrenches_.data(), bodies.particleMass});
+  parallelForUneven(device, "add bodies", walls.pairs.nearCount(), AddBodies{bodies, divergence.view()});
 }
 
 template <class Backend>
-void TwoProjections::applyBodies(Backend& device, FluidStep& fluid, const Array<float>& of) {
-  const WallField& walls = fluid.walls;
-  if (!walls.moves) return;
+void TwoProjections::carryBodies(Backend& device, FluidStep& fluid) {
   const BodiesAtParticles bodies = bodiesOf(fluid);
-  sumByKeyOverRanks(device, "wrenches", {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()},
-                    bodies.solids.size, SumWrenches{bodies, of.view()}, weir::detail::AddTwists{},
-                    wrenches_.data());
-  parallelFor(device, "change bodies", bodies.solids.size,
-              ChangeBodies{bodies.solids, wrenches_.data(), bodies.particleMass});
-  parallelForUneven(device, "add bodies", walls.pairs.nearCount(), AddBodies{bodies, product_.view()});
+  changeBodies(device, fluid, SumCarried{bodies}, source_);
+  parallelFor(device, "displace bodies", bodies.solids.size, DisplaceBodies{bodies.solids, fluid.time.dt});
+  parallelForUneven(device, "precondition bodies", fluid.walls.pairs.nearCount(),
+                    PreconditionBodies{bodies, preconditioner_.view()});
 }
 
 template <class Backend>
@@ -199,9 +219,7 @@ void TwoProjections::project(Backend& device, FluidStep& fluid) {
   const ProjectionPacking packing = packingOf(fluid);
   parallelFor(device, "source", count, Divergence{packing, u_.view(), source_.view()});
   parallelFor(device, "preconditioner", count, FindPreconditioner{packing, preconditioner_.view()});
-  if (fluid.walls.moves)
-    parallelForUneven(device, "precondition bodies", fluid.walls.pairs.nearCount(),
-                      PreconditionBodies{bodiesOf(fluid), preconditioner_.view()});
+  if (fluid.walls.moves) carryBodies(device, fluid);
   bool finished = false;
   for (int round = 0; round < kRounds && !finished; ++round) {
     fluid.exchange(q_.view());
@@ -270,6 +288,8 @@ void TwoProjections::stepOn(Backend& device, FluidStep& fluid) {
   fluid.exchange(state_.view());
   findMoments(device, fluid);
   smooth(device, fluid);
+  parallelFor(device, "carry", count, Carry{displacement_.view(), u_.view()});
+  fluid.exchange(u_.view());
   project(device, fluid);
   parallelFor(device, "velocities", count,
               Finish{.dt = dt,

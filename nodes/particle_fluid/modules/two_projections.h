@@ -17,9 +17,12 @@
 // and projected: v ← v + Dᵀq with q = dt·p/ρ0 ≥ 0, D·v ≥ −s and one of both equal, by conjugate gradients in
 // the particles that bear pressure. s lets fluid below rest density close up. A projection along Dᵀ takes
 // kinetic energy away only. The stress of these forces is isotropic, whatever the pressures, as N is the
-// inverse of M. Then x = x + dt·v, and positions go towards λ ≤ 1 by an iteration of Pbf (Macklin and Müller
-// 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take. Bodies are
-// part of the projection (projection_bodies.h), and stand still for the correction.
+// inverse of M. What stands between a particle and a wall the wall carries, w being Σ k·(n·N·n)·n over its
+// planes: before they are projected, velocities gain w·c for each, c = −y·n·(dt·g), but at least −q and at
+// most q of the last step. Without that a wall would push by the pressure at the particle, a part of a
+// spacing away from it. Then x = x + dt·v, and positions go towards λ ≤ 1 by an iteration of Pbf (Macklin and
+// Müller 2013, Eq. 8 to 11), which leaves velocities alone. Momentum is kept but for what walls take. Bodies
+// are part of the projection (projection_bodies.h), and stand still for the correction.
 #pragma once
 
 #include "framework/base/clamped.h"
@@ -115,9 +118,12 @@ class TwoProjections final : public FluidModule, public OnRanks, public OwnWallF
   /// D·Dᵀ of what is in `of`, into product_; push_ is Dᵀ of it, and what the bodies get is their change.
   template <class Backend>
   void apply(Backend& device, FluidStep& fluid, Count count, const Array<float>& of);
-  /// What the bodies' changes by the pressures in `of` add to product_.
+  /// The bodies' changes by the sums of what their pairs with particles give; adds them to `divergence`.
+  template <class Backend, class Sum>
+  void changeBodies(Backend& device, FluidStep& fluid, const Sum& sum, Array<float>& divergence);
+  /// Bodies get what they carry; also finds what they add to the operator's diagonal.
   template <class Backend>
-  void applyBodies(Backend& device, FluidStep& fluid, const Array<float>& of);
+  void carryBodies(Backend& device, FluidStep& fluid);
   /// Bodies go on with the velocities that the projection has given them, and are told of it.
   template <class Backend>
   void moveBodies(Backend& device, FluidStep& fluid);
@@ -134,10 +140,11 @@ class TwoProjections final : public FluidModule, public OnRanks, public OwnWallF
   Array<Vec4f> state_, weighted_;  // position; and the multiplier of corrections
   Array<Vec3f> wallDistances_;     // NearWalls
   Array<float> wallKeys_;
-  Array<Vec3f> diagonal_, off_;     // of N: xx, yy, zz and xy, xz, yz
-  Array<Vec3f> wall_, wallOfPair_;  // Σ k·(n·N·n)·n; the latter of a solid alone, where bodies move
-  Array<Twist> wrenches_;           // of each solid
-  Array<Vec3f> u_, push_, displacement_;  // the last from x*
+  Array<Vec3f> diagonal_, off_;           // of N: xx, yy, zz and xy, xz, yz
+  Array<Vec3f> wall_;                     // w, see above
+  Array<Vec4f> wallOfPair_;               // of BodiesAtParticles, where bodies move
+  Array<Twist> wrenches_;                 // of each solid
+  Array<Vec3f> u_, push_, displacement_;  // the last from x*; at first what walls carry
   Array<Vec3f> rowX_, rowY_, rowZ_;       // of L
   Array<float> q_, room_, source_, residual_, direction_, product_, preconditioner_;
   static constexpr int kTogether = 8;       // iterations that the host does not look at one by one
