@@ -132,7 +132,7 @@ ANSWERS = {
     "Pressure in drops": "Laplace's law", "A drop that swings": "Rayleigh's period", "Drops on a table": "the angle that is given",
     "Momentum": "a free blob",
     "Poiseuille flow": "its parabola", "Couette flow": "a straight line", "Taylor–Green vortices": "exponential decay",
-    "Added mass": "a closed form", "Attitudes of a floating beam": "the least energy", "A ball that heaves": "an experiment",
+    "Added mass": "a closed form", "Attitudes of a floating beam": "the least energy", "A ball that heaves": "potential flow",
     "Water entry of a wedge": "a similarity solution",
 }
 
