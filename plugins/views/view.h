@@ -85,7 +85,7 @@ struct ParticleView {
 
   std::string node = {};                   ///< whose they are
   std::span<const Vec3f> velocities = {};  ///< m/s, one per particle, on the host; empty: none are known
-  bool white = false;                      ///< white water, which lets light through
+  bool white = false;                      ///< white water, which lets light through and casts no shadow
   /// m, one per particle, on the host, for those who draw spheres of several radii; empty: all have `radius`.
   std::span<const float> radii = {};
 };

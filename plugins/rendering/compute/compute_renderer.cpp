@@ -87,7 +87,7 @@ ShadedPicture ComputeRenderer::shadedPicture(const gl::Frame& frame) {
   const auto constView = [](const auto& array) { return array.view(); };
   const bool occluded = frame.view.lighting.occlusion && !frame.view.lighting.unlit;
   return {.seen = {.camera = gl::splatCameraOf(frame),
-                   .spheres = spheres_.opaque(),
+                   .spheres = spheres_.opaque().spheres,
                    .nearest = constView(nearest_),
                    .ground = groundOf(frame)},
           .samples = frame.samples,
@@ -123,10 +123,10 @@ Picture ComputeRenderer::draw(const View& view) {
   const ShadedPicture shaded = shadedPicture(frame);
   dispatch(device_, [&](auto& device) {
     showGround(device, shaded.seen, nearest_.view());
-    gl::splatDepths(device, spheres_.opaque(), shaded.seen.camera, nearest_.view());
+    gl::splatDepths(device, spheres_.opaque().spheres, shaded.seen.camera, nearest_.view());
     if (frame.hasShadows) {
       gl::clearDepths(device, shadow_.view());
-      gl::splatSunDepths(device, spheres_.opaque(), gl::splatSunOf(frame.sun, kShadowResolution),
+      gl::splatSunDepths(device, spheres_.opaque().casting, gl::splatSunOf(frame.sun, kShadowResolution),
                          shadow_.view());
       findShadowTiles(device, shaded.shadow, kShadowResolution, tiles_.view(), tileScratch_.view());
     }

@@ -117,6 +117,11 @@ struct Shade {
     return mix(along(row), along(other), std::fabs(asideY));
   }
 
+  WEIR_HD Numbers3 skyLight(const Numbers3& normal) const {
+    return shading::skyLightOf(normal, allOf(in.light.up), allOf(in.light.skyBelow),
+                               allOf(in.light.skyAbove));
+  }
+
   WEIR_HD Numbers3 backgroundAt(int y) const {
     const float height = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.seen.camera.height);
     return shading::backgroundOf(Number(height), allOf(in.light.background[0]),
@@ -130,10 +135,13 @@ struct Shade {
                shading::fadeOfGround(sqrtf(dot(aside, aside)), in.seen.ground.radius));
   }
 
-  WEIR_HD Numbers3 albedo(const SeenRow& seen, const Mask& ground) const {
+  /// And which are white water.
+  WEIR_HD Numbers3 albedo(const SeenRow& seen, const Mask& ground, Mask& white) const {
     const Numbers3 groundColor = allOf(in.seen.ground.color);
+    white = ground & !ground;
     if (!any(!ground)) return groundColor;
     const Ints packed = in.seen.sphereColors(seen);
+    white = (!ground) & equal((packed >> 24) & 255, static_cast<int>(255 * shading::kWhite + 0.5f));
     const Numbers3 color{gather(in.linear.data, packed & 255), gather(in.linear.data, (packed >> 8) & 255),
                          gather(in.linear.data, (packed >> 16) & 255)};
     return select(ground, groundColor, color);
@@ -145,27 +153,30 @@ struct Shade {
                              int up) const {
     const int y = row * in.samples + up;
     const Mask ground = seen.ground();
-    const Numbers3 surface = albedo(seen, ground);
+    Mask white;
+    const Numbers3 surface = albedo(seen, ground, white);
     const Numbers3 ray = in.seen.ray(toNumbers(x), Number(static_cast<float>(y)));
     const Numbers3 position = ray * in.seen.distanceAt(seen.depth());
     if (in.light.unlit) return any(ground) ? select(ground, faded(surface, position, y), surface) : surface;
     const Numbers3 normal = in.seen.normal(seen, ray);
     const Number open = openAt(column, row, right, up);
     const Number facing = positivePart(dot(normal, allOf(in.light.sun)));
-    const Mask sunny = (facing > Number(0.0f)) & seen.something();
+    const Mask turned = (facing > Number(0.0f)) | white, sunny = turned & seen.something();
     const Number sun =
-        any(sunny) ? select(facing > Number(0.0f), sunlight(position, normal, x, y, sunny), Number(0.0f))
-                   : Number(0.0f);
+        any(sunny) ? select(turned, sunlight(position, normal, x, y, sunny), Number(0.0f)) : Number(0.0f);
     const Numbers3 sunColor = allOf(in.light.sunColor);
-    const Numbers3 sky =
-        shading::skyLightOf(normal, allOf(in.light.up), allOf(in.light.skyBelow), allOf(in.light.skyAbove));
+    const Numbers3 sky = skyLight(normal);
     const Numbers3 color = times(surface, shading::diffuseLight(sky, open, sunColor, sun, facing));
     if (!any(!ground)) return faded(color, position, y);
     const Numbers3 towardsEye = unit(-position);
     const Number cosine = positivePart(dot(normal, unit(towardsEye + allOf(in.light.sun))));
-    const Numbers3 shiny = shading::withShine(color, surface, allOf(in.light.sky), open, sunColor, sun,
-                                              cosine, dot(normal, towardsEye));
-    return any(ground) ? select(ground, faded(color, position, y), shiny) : shiny;
+    Numbers3 light = shading::withShine(color, surface, allOf(in.light.sky), open, sunColor, sun, cosine,
+                                        dot(normal, towardsEye));
+    if (any(white)) {
+      const Numbers3 froth = shading::frothLight(sky, skyLight(-normal), open, sunColor, sun);
+      light = select(white, times(surface, froth), light);
+    }
+    return any(ground) ? select(ground, faded(color, position, y), light) : light;
   }
 
   /// Which of the lines come near the pixels, one bit each.

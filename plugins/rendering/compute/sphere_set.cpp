@@ -10,6 +10,18 @@
 
 namespace weir::rendering {
 
+namespace {
+
+/// In the order in which they are packed.
+enum class Kind { kCasting, kWhite, kLiquid };
+
+Kind kindOf(const ParticleView& view) {
+  if (view.water) return Kind::kLiquid;
+  return view.white ? Kind::kWhite : Kind::kCasting;
+}
+
+}  // namespace
+
 Aabb SphereSet::load(std::span<const ParticleView> views) {
   std::int64_t total = 0;
   for (const ParticleView& view : views) total += static_cast<std::int64_t>(view.positions.size());
@@ -19,15 +31,17 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
 
   parts_.assign(1, {});
   std::int64_t end = 0;
-  for (const bool liquids : {false, true}) {
+  for (const Kind kind : {Kind::kCasting, Kind::kWhite, Kind::kLiquid}) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       const ParticleView& view = views[i];
-      if (view.water.has_value() != liquids) continue;
+      if (kindOf(view) != kind) continue;
       const ArrayView<const SplatSphere> spheres = pack(view, end, *inputs_[i], boxes_.data() + i);
       end += spheres.size;
-      if (liquids) parts_.push_back({view.water, view.radius, view.inset(), view.chord(), spheres});
+      if (view.water)
+        parts_.push_back({view.water, view.radius, view.inset(), view.chord(), spheres, spheres});
     }
-    if (!liquids) parts_.front().spheres = {spheres_.data(), end};
+    if (kind == Kind::kCasting) parts_.front().casting = {spheres_.data(), end};
+    if (kind == Kind::kWhite) parts_.front().spheres = {spheres_.data(), end};
   }
 
   Aabb all;

@@ -22,12 +22,14 @@ class SphereSet {
     std::optional<std::size_t> liquid;       ///< ParticleView::water
     float radius = 0, inset = 0, chord = 0;  ///< m, of a liquid (ParticleView)
     ArrayView<const SplatSphere> spheres;
+    /// Of these, what casts shadows: all but white water, as light gets through that.
+    ArrayView<const SplatSphere> casting;
   };
 
   /// Takes the particles of a picture and returns the box around their spheres. Waits for the device.
   Aabb load(std::span<const ParticleView> views);
   /// What is no liquid, one view behind the other.
-  ArrayView<const SplatSphere> opaque() const { return parts_.front().spheres; }
+  const Part& opaque() const { return parts_.front(); }
   /// The opaque ones first.
   std::span<const Part> parts() const { return parts_; }
   /// Whether there are particles of that liquid, or that are none.

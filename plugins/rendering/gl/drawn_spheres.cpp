@@ -13,7 +13,7 @@ Aabb DrawnSpheres::load(std::span<const ParticleView> views) {
     const std::span<const float> values = view.water ? view.foam : view.values;
     if (!values.empty()) WEIR_CHECK(values.size() == view.positions.size());
     if (view.water && !liquids_) liquids_.emplace(gl_);
-    Group group{view.water, view.radius, view.inset(), view.chord(), {}};
+    Group group{view.water, view.white, view.radius, view.inset(), view.chord(), {}};
     if (!view.water)
       group.colors = Texture(gl_, ColorEntries::kCount, 1, kColor8, GL_LINEAR, particleColors(view).data());
     const ColorEntries entries{view.lowest, view.highest};
@@ -29,10 +29,11 @@ Aabb DrawnSpheres::load(std::span<const ParticleView> views) {
 }
 
 template <class SetUniforms>
-void DrawnSpheres::draw(const Program& program, Liquid liquid, const SetUniforms& setUniforms) const {
+void DrawnSpheres::draw(const Program& program, Liquid liquid, const SetUniforms& setUniforms,
+                        bool white) const {
   batches_.draw(program, [&](std::size_t owner) {
     const Group& group = groups_[owner];
-    if (group.liquid != liquid) return false;
+    if (group.liquid != liquid || (group.white && !white)) return false;
     program.set("uRadius", group.radius);
     setUniforms(group);
     return true;
@@ -55,10 +56,12 @@ void DrawnSpheres::drawGeometry(const Frame& frame, const Targets&) {
 void DrawnSpheres::drawSunDepth(const SunView& sun, Liquid liquid, const Texture&) {
   sunDepth_.use();
   sunDepth_.setMatrix4("uToClip", sun.toClip().eval().data());
-  draw(sunDepth_, liquid, [&](const Group& group) {
+  const auto setRadius = [&](const Group& group) {
     sunDepth_.set("uRadiusInClip", group.radius / sun.halfSize);
     sunDepth_.set("uRadiusInDepth", 2 * group.radius / (sun.zNearest - sun.zFarthest));
-  });
+  };
+  constexpr bool kWhite = false;  // light gets through
+  draw(sunDepth_, liquid, setRadius, kWhite);
 }
 
 void DrawnSpheres::drawDepth(const Frame& frame, std::size_t liquid, const Texture&) {

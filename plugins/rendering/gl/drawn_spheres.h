@@ -28,6 +28,7 @@ class DrawnSpheres final : public SphereDrawer {
   /// The particles of one view.
   struct Group {
     Liquid liquid;
+    bool white;  // water
     float radius, inset, chord;
     Texture colors;  // of the colour map; none of a liquid
   };
@@ -39,9 +40,10 @@ class DrawnSpheres final : public SphereDrawer {
     Program depth, thickness;
   };
 
-  /// Calls setUniforms(group) before each batch, with the program in use.
+  /// Calls setUniforms(group) before each batch, with the program in use. `white`: whether white water is
+  /// drawn, too.
   template <class SetUniforms>
-  void draw(const Program& program, Liquid liquid, const SetUniforms& setUniforms) const;
+  void draw(const Program& program, Liquid liquid, const SetUniforms& setUniforms, bool white = true) const;
   /// In a program that is in use and has all uniforms but those of groups.
   void addThickness(std::size_t liquid, const Texture& map, float foamDepth) const;
 

@@ -28,7 +28,7 @@ class SphereDrawer {
   virtual bool replacesAll() const = 0;
   /// What is no liquid, into Targets::geometry.
   virtual void drawGeometry(const Frame& frame, const Targets& targets) = 0;
-  /// The nearest spheres to the sun, into a square depth texture.
+  /// The nearest spheres to the sun, into a square depth texture. White water is left out.
   virtual void drawSunDepth(const SunView& sun, Liquid liquid, const Texture& depth) = 0;
 
   /// The nearest spheres of a liquid, drawn back by ParticleView::inset(), into a depth texture of the

@@ -25,7 +25,7 @@ void SplattedSpheres::drawGeometry(const Frame& frame, const Targets& targets) {
   nearest_.resizeDiscarding(samples);
   for (Array<std::uint32_t>* const each : {&albedo_, &normal_, &depth_}) each->resizeDiscarding(samples);
   dispatch(device_, [&](auto& device) {
-    splatGeometry(device, spheres_.opaque(), splatCameraOf(frame), nearest_.view(),
+    splatGeometry(device, spheres_.opaque().spheres, splatCameraOf(frame), nearest_.view(),
                   {albedo_.view(), normal_.view(), depth_.view()});
   });
   targets.albedo.replace(texels_.of(albedo_).data());
@@ -40,7 +40,7 @@ void SplattedSpheres::drawSunDepth(const SunView& sun, Liquid liquid, const Text
   dispatch(device_, [&](auto& device) {
     clearDepths(device, sunDepth_.view());
     for (const SphereSet::Part& part : spheres_.parts())
-      if (part.liquid == liquid) splatSunDepths(device, part.spheres, view, sunDepth_.view());
+      if (part.liquid == liquid) splatSunDepths(device, part.casting, view, sunDepth_.view());
   });
   depth.replace(depths_.of(sunDepth_).data());
 }

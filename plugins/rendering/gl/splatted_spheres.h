@@ -18,7 +18,7 @@ class SplattedSpheres final : public SphereDrawer {
   explicit SplattedSpheres(Device& device) : device_(device) {}
 
   Aabb load(std::span<const ParticleView> views) override { return spheres_.load(views); }
-  bool replacesAll() const override { return spheres_.opaque().size > 0; }
+  bool replacesAll() const override { return spheres_.opaque().spheres.size > 0; }
   void drawGeometry(const Frame& frame, const Targets& targets) override;
   void drawSunDepth(const SunView& sun, Liquid liquid, const Texture& depth) override;
   void drawDepth(const Frame& frame, std::size_t liquid, const Texture& depth) override;

@@ -4,7 +4,7 @@
 // floats side by side on the CPU. real2 and real3 are vectors of them.
 
 // What surfaces are made of, in the alpha channel of their colour.
-CONSTANT float kMatt = 0.25f, kParticle = 0.5f, kMetal = 0.75f, kGround = 1.0f;
+CONSTANT float kMatt = 0.2f, kParticle = 0.4f, kWhite = 0.6f, kMetal = 0.8f, kGround = 1.0f;
 
 // ---- The camera. `projection` are P00, P11, P22 and P23 of its matrix.
 
@@ -90,9 +90,20 @@ FORMULA real fresnel(real cosine, float straight) {
   return straight + (1.0f - straight) * square * square * slant;
 }
 
-// The light that meets a surface. Occlusion takes a little from the sun's light, too.
+// Occlusion takes a little from the sun's light, too.
+FORMULA real openToSun(real open) { return 1.0f + (open - 1.0f) * 0.35f; }
+
+// The light that meets a surface.
 FORMULA real3 diffuseLight(real3 sky, real open, real3 sunColor, real sun, real facing) {
-  return sky * open + sunColor * (sun * facing * (1.0f + (open - 1.0f) * 0.35f));
+  return sky * open + sunColor * (sun * facing * openToSun(open));
+}
+
+// The light out of white water: drops and bubbles that are too small to be seen one by one, and lie in crowds in which
+// light goes from one to the next until it leaves on all sides alike. Of the sky's that is the mean of both sides; of
+// the sun's half, which is what white paper shows on the mean of all directions in which it is lit. What is hemmed in
+// is lit by what is around it.
+FORMULA real3 frothLight(real3 skyBefore, real3 skyBehind, real open, real3 sunColor, real sun) {
+  return ((skyBefore + skyBehind) * 0.5f + sunColor * (0.5f * sun)) * openToSun(open);
 }
 
 // What particles reflect besides: the sun, as a normalised Blinn-Phong highlight (J. Blinn 1977) with F. Giesen's factor

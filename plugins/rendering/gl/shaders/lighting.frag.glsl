@@ -40,7 +40,8 @@ void main() {
   float depth = texelFetch(uDepth, place, 0).r;
   vec4 surface = texelFetch(uAlbedo, place, 0);
   vec3 position = ray * distanceAt(depth);
-  bool nothing = depth >= 1.0, ground = isMaterial(surface.a, kGround), particle = isMaterial(surface.a, kParticle);
+  bool nothing = depth >= 1.0, ground = isMaterial(surface.a, kGround);
+  bool particle = isMaterial(surface.a, kParticle), white = isMaterial(surface.a, kWhite);
 
   // Much of a picture is nothing but background, and little of the ground fades into it.
   float faded = nothing ? 1.0 : ground ? fadeOfGround(length(position - uGroundMiddle), uGroundRadius) : 0.0;
@@ -65,9 +66,10 @@ void main() {
   float open = textureLod(uOcclusion, window, 0.0).r;
   float facing = dot(normal, uSun);
   vec3 sun = vec3(0.0);
-  if (facing >= 0.0) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
+  if (facing >= 0.0 || white) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
   vec3 sunColor = uSunColor * sun;
   vec3 diffuse = diffuseLight(skyLight(normal), open, sunColor, 1.0, max(facing, 0.0));
+  if (white) diffuse = frothLight(skyLight(normal), skyLight(-normal), open, sunColor, 1.0);
   vec3 color = surface.rgb * diffuse;
   if (particle)
     color = withShine(color, surface.rgb, uSkyColor, open, sunColor, step(0.0, facing),

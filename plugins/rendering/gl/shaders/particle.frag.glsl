@@ -1,6 +1,6 @@
 #include "sphere_hit.glsl"
 
-flat in vec3 vColor;
+flat in vec4 vColor;  // and what it is made of
 layout(location = 0) out vec4 oAlbedo;
 layout(location = 1) out vec2 oNormal;
 
@@ -9,6 +9,6 @@ void main() {
   float distance = distanceOfHit(ray);
   vec3 normal = (ray * distance - vCenter) / uRadius;
   gl_FragDepth = depthAt(distance);
-  oAlbedo = vec4(vColor, kParticle);
+  oAlbedo = vColor;
   oNormal = storedNormal(normal);
 }

@@ -8,12 +8,12 @@ uniform vec2 uTangent;
 uniform float uRadius, uNear;
 uniform sampler2D uColors;
 flat out vec3 vCenter;  // in camera space
-flat out vec3 vColor;
+flat out vec4 vColor;
 
 void main() {
   vec4 data = particle();
   vCenter = (uView * vec4(data.xyz, 1.0)).xyz;
-  vColor = textureLod(uColors, vec2(data.w, 0.5), 0.0).rgb;
+  vColor = textureLod(uColors, vec2(data.w, 0.5), 0.0);
   float along = -vCenter.z;
   if (along + uRadius < uNear) {  // behind the camera
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);

@@ -92,6 +92,13 @@ TEST_P(ComputedPictures, MayBeTakenWithinTheFluidAndFromBelow) {
   expectSamePicture();
 }
 
+TEST_P(ComputedPictures, ShowWhiteWater) {
+  view.particles[1].white = true;
+  expectSamePicture();
+  view.lighting.towardsSun = {-1, 0.7f, -2};  // behind it
+  expectSamePicture();
+}
+
 TEST_P(ComputedPictures, MayBeEmpty) {
   view.particles.clear();
   expectSamePicture();

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <random>
 
 #include "tests/plugins/rendering/gl/pictures.h"
 
@@ -159,6 +161,61 @@ TEST_P(Particles, MoreThanOneBatchAreAllDrawn) {
     const auto [px, py] = pixelOf(view, {x, 0, 0}).value();
     EXPECT_LT(pixelAt(picture, px, py).g, 5) << x;
   }
+}
+
+/// A cloud of white water that fills the picture, with light on.
+struct Cloud {
+  std::vector<Vec3f> places;
+  View view = plainView();
+
+  Cloud() {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> part(-1, 1);
+    for (int i = 0; i < 30000; ++i)
+      places.push_back({4.5f * part(random), 3.5f * part(random), 0.8f * part(random)});
+    view.lighting.unlit = false;
+    view.particles = {{.positions = places, .radius = 0.08f, .fixed = {1, 1, 1, 1}, .white = true}};
+  }
+};
+
+struct Greys {
+  int darkest = 765, brightest = 0;
+};
+
+Greys greysOf(const Picture& picture) {
+  Greys greys;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      greys.darkest = std::min(greys.darkest, pixelAt(picture, x, y).sum());
+      greys.brightest = std::max(greys.brightest, pixelAt(picture, x, y).sum());
+    }
+  return greys;
+}
+
+TEST_P(Particles, WhiteWaterIsWhiteWhereverTheSunStands) {
+  Cloud cloud;
+  for (const Vec3f& sun : {Vec3f{0.3f, 0.5f, 1}, Vec3f{0.3f, 0.5f, -1}, Vec3f{1, 0.2f, 0}}) {
+    cloud.view.lighting.towardsSun = sun;
+    const Greys greys = greysOf(renderer.draw(cloud.view));
+    EXPECT_GT(greys.darkest, 3 * 170) << sun.x << " " << sun.z;
+    EXPECT_LT(greys.brightest - greys.darkest, 3 * 50) << sun.x << " " << sun.z;
+  }
+}
+
+TEST_P(Particles, WhiteWaterCastsNoShadow) {
+  const std::array<Vec3f, 1> drop{Vec3f{0, 1, 0}};
+  View view = plainView();
+  view.camera.eye = {0, 4, 5};
+  view.lighting = {.towardsSun = {-1, 1.25f, 0}, .occlusion = false};
+  view.ground.visible = true;
+  view.particles = {{.positions = drop, .radius = 0.4f, .white = true}};
+  const auto [x, y] = pixelOf(view, {0.8, 0, 0}).value();  // where the sun would be hidden
+  const Pixel below = pixelAt(renderer.draw(view), x, y);
+  view.lighting.shadows = false;
+  EXPECT_LE(largestDifference(below, pixelAt(renderer.draw(view), x, y)), 2);
+  view.lighting.shadows = true;
+  view.particles[0].white = false;
+  EXPECT_LT(pixelAt(renderer.draw(view), x, y).sum(), 0.85 * below.sum());
 }
 
 }  // namespace
