@@ -3,7 +3,7 @@
 #include "patterns.glsl"
 
 // Each sample looks at four places of the shadow map, turned by another angle in each of four neighbouring
-// samples, so that a pixel of 2x2 samples sees sixteen.
+// samples, so that a pixel of 2x2 samples sees sixteen. What is lit once for a pixel looks at all of them.
 uniform sampler2DShadow uShadow;
 uniform sampler2D uThroughGlass;
 uniform sampler2DShadow uWaterDepth;
@@ -12,12 +12,11 @@ uniform mat4 uToSun;        // from camera space to the shadow map
 uniform float uSoftness;    // radius of the edges, in the shadow map's coordinates
 uniform float uShadowTexel; // m
 
-vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater) {
+vec3 turnedSunlight(vec3 position, vec3 normal, float throughGlass, bool underWater, vec2 unitTurn) {
 #ifdef SHADOWS
   vec4 place = uToSun * vec4(position + normal * uShadowTexel * kShadowOffset, 1.0);
   place.z = min(place.z, 1.0);
-  ivec2 odd = ivec2(gl_FragCoord.xy) & 1;
-  vec2 turn = uSoftness * kShadowTurns[odd.x + 2 * odd.y];
+  vec2 turn = uSoftness * unitTurn;
   float open = 0.0;
   for (int i = 0; i < 4; ++i) {
     vec2 tap = turned(kShadowTaps[i], turn.x, turn.y);
@@ -37,4 +36,16 @@ vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater) {
 #else
   return vec3(1.0);
 #endif
+}
+
+vec3 sunlight(vec3 position, vec3 normal, float throughGlass, bool underWater) {
+  ivec2 odd = ivec2(gl_FragCoord.xy) & 1;
+  return turnedSunlight(position, normal, throughGlass, underWater, kShadowTurns[odd.x + 2 * odd.y]);
+}
+
+vec3 sunlightOfPixel(vec3 position, vec3 normal) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < kShadowTurns.length(); ++i)
+    sum += turnedSunlight(position, normal, 1.0, false, kShadowTurns[i]);
+  return sum / float(kShadowTurns.length());
 }

@@ -63,7 +63,7 @@ void main() {
 
   vec3 extinction = uAbsorption + uScattering;
   vec3 through = exp(-extinction * way);
-  vec3 sun = sunlight(position, normal, 1.0, false);
+  vec3 sun = sunlightOfPixel(position, normal);
   vec3 inside = skyLight(uUp) + 0.6 * uSunColor * sun;
   vec3 scattered = uScattered * uScattering / max(extinction, 1e-6) * (1.0 - through) * inside;
   vec3 refracted = behind * through + scattered;

@@ -180,6 +180,30 @@ TEST_P(Water, ShadowsHaveItsColor) {
   EXPECT_LT(shadow.r, shadow.b - 8);
 }
 
+TEST_P(Water, ShadowsOnItAreSmooth) {
+  // The edge of a plate's shadow on milky water, which is blurred over many pixels.
+  View view;
+  view.width = 240;
+  view.height = 180;
+  view.camera = {.eye = {0, 2, 0.01f}, .target = {0, 0, 0}, .fovDegrees = 8};
+  view.lighting.towardsSun = {0, 1, 0};
+  view.ground.visible = false;
+  view.waters = {{.absorption = {0, 0, 0}, .scattering = 50, .smoothing = 0.1f}};
+  const MeshId pool = renderer.addMesh(box({-4, -1, -4}, {4, 0, 4}));
+  const MeshId plate = renderer.addMesh(quad({0, 3, -4}, {0, 3, 4}, {4, 3, 4}, {4, 3, -4}));
+  view.surfaces = {{.mesh = pool, .look = SurfaceLook::kWater}, {.mesh = plate}};
+  const Picture picture = renderer.draw(view);
+  int rough = 0, darkest = 765, brightest = 0;
+  for (int y = 20; y < 160; ++y)
+    for (int x = 20; x < 220; ++x) {
+      const auto at = [&](int across, int up) { return pixelAt(picture, x + across, y + up).sum(); };
+      rough = std::max(rough, std::abs(at(0, 0) - at(1, 0) - at(0, 1) + at(1, 1)));
+      darkest = std::min(darkest, at(0, 0)), brightest = std::max(brightest, at(0, 0));
+    }
+  EXPECT_GT(brightest, darkest + 60) << "there is no shadow";
+  EXPECT_LT(rough, 12);
+}
+
 TEST_P(Water, GlassBehindIsSeenThroughItAndGlassBeforeOverIt) {
   constexpr float kSpacing = 0.05f;
   const std::vector<Vec3f> block = lattice({-0.5f, -0.5f, -0.2f}, {0.5f, 0.5f, 0.2f}, kSpacing);
