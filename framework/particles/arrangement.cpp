@@ -9,11 +9,12 @@ bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Requ
   return told ? *told == Arrangement::kRelaxed : request.disordered;
 }
 
-RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device) {
+RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device,
+                         int height) {
   constexpr int kSweeps = 200;
   const auto* cpu = dynamic_cast<const CpuDevice*>(&device);
   CpuThreads threads(cpu ? cpu->threads() : 0);
-  return {request.supportRatio, kTileSide, kSweeps, seed, threads};
+  return {request.supportRatio, kTileSide, height, kSweeps, seed, threads};
 }
 
 }  // namespace weir

@@ -27,7 +27,9 @@ bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Requ
 /// Particles along the tile of sources.
 inline constexpr int kTileSide = 12;
 
-/// The tile of sources: small and quickly made, as more of either changes nothing that can be seen.
-RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device);
+/// The tile of sources: small and quickly made, as more of either changes nothing that can be seen in a
+/// block. `height`: particles along y.
+RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device,
+                         int height = kTileSide);
 
 }  // namespace weir

@@ -1,6 +1,8 @@
 // The role of nodes whose particles flow in as one body, as out of a pipe.
 #pragma once
 
+#include <cstdint>
+
 #include "framework/base/api.h"
 
 namespace WEIR_API weir {
@@ -11,8 +13,14 @@ namespace WEIR_API weir {
 class FlowsIn {
  public:
   virtual ~FlowsIn() = default;
-  /// Of the particles that it gave in this step, m/s; 0 for none that shall be carried.
-  virtual double flowSpeed() const = 0;
+  /// Of the particles that it gave in this step, in their order.
+  struct Flow {
+    double speed = 0;    ///< m/s; 0 for none that shall be carried
+    double leaving = 0;  ///< s after the step began, when the first of them do
+    std::int64_t together =
+        1;  ///< so many do at a time; the next ones when the flow has moved on by a spacing
+  };
+  virtual Flow flow() const = 0;
 };
 
 }  // namespace weir

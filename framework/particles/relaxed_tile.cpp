@@ -35,41 +35,46 @@ int wrapped(std::int64_t k, int side) {
   return m < 0 ? m + side : m;
 }
 
-/// The shortest way from a to b in the periodic cube; neither is farther from it than half its side.
-Vec3d between(const Vec3d& a, const Vec3d& b, double side) {
-  const auto shortest = [side](double d) {
+/// The shortest way from a to b in the periodic box; neither is farther from it than half its sides.
+Vec3d between(const Vec3d& a, const Vec3d& b, const Vec3i& sides) {
+  const auto shortest = [](double d, double side) {
     if (d > 0.5 * side) return d > 1.5 * side ? d - 2 * side : d - side;
     if (d < -0.5 * side) return d < -1.5 * side ? d + 2 * side : d + side;
     return d;
   };
-  return {shortest(b.x - a.x), shortest(b.y - a.y), shortest(b.z - a.z)};
+  return {shortest(b.x - a.x, sides.x), shortest(b.y - a.y, sides.y), shortest(b.z - a.z, sides.z)};
 }
 
 /// All particles closer than `radius`, by cells of at least that size.
-Lists neighborsOf(const std::vector<Vec3d>& positions, int side, double radius, CpuThreads& threads) {
+Lists neighborsOf(const std::vector<Vec3d>& positions, const Vec3i& sides, double radius,
+                  CpuThreads& threads) {
   // Fewer than three cells along an axis would meet each other twice.
-  const int cells = static_cast<int>(side / radius);
-  const bool all = cells < 3;
-  const int n = all ? 1 : cells;
-  const auto cellOf = [&](double x) {
-    return std::min(n - 1, static_cast<int>((x / side - std::floor(x / side)) * n));
+  const auto cellsAlong = [radius](int side) {
+    const int cells = static_cast<int>(side / radius);
+    return cells < 3 ? 1 : cells;
   };
-  Lists members(static_cast<std::size_t>(n) * n * n), lists(positions.size());
+  const Vec3i n{cellsAlong(sides.x), cellsAlong(sides.y), cellsAlong(sides.z)};
+  const auto cellOf = [&](const Vec3d& p, int axis) {
+    const double x = p[axis] / sides[axis];
+    return std::min(n[axis] - 1, static_cast<int>((x - std::floor(x)) * n[axis]));
+  };
+  Lists members(static_cast<std::size_t>(n.x) * n.y * n.z), lists(positions.size());
   const auto memberList = [&](int x, int y, int z) -> std::vector<int>& {
-    return members[static_cast<std::size_t>((wrapped(z, n) * n + wrapped(y, n)) * n + wrapped(x, n))];
+    return members[static_cast<std::size_t>((wrapped(z, n.z) * n.y + wrapped(y, n.y)) * n.x +
+                                            wrapped(x, n.x))];
   };
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3d& p = positions[i];
-    memberList(cellOf(p.x), cellOf(p.y), cellOf(p.z)).push_back(static_cast<int>(i));
+    memberList(cellOf(p, 0), cellOf(p, 1), cellOf(p, 2)).push_back(static_cast<int>(i));
   }
-  const int reach = all ? 0 : 1;
+  const auto reach = [&](int axis) { return n[axis] == 1 ? 0 : 1; };
   forAll(threads, positions.size(), [&](std::size_t i) {
     const Vec3d& p = positions[i];
-    for (int z = -reach; z <= reach; ++z)
-      for (int y = -reach; y <= reach; ++y)
-        for (int x = -reach; x <= reach; ++x)
-          for (const int j : memberList(cellOf(p.x) + x, cellOf(p.y) + y, cellOf(p.z) + z)) {
-            const Vec3d d = between(p, positions[static_cast<std::size_t>(j)], side);
+    for (int z = -reach(2); z <= reach(2); ++z)
+      for (int y = -reach(1); y <= reach(1); ++y)
+        for (int x = -reach(0); x <= reach(0); ++x)
+          for (const int j : memberList(cellOf(p, 0) + x, cellOf(p, 1) + y, cellOf(p, 2) + z)) {
+            const Vec3d d = between(p, positions[static_cast<std::size_t>(j)], sides);
             if (static_cast<std::size_t>(j) != i && dot(d, d) < radius * radius) lists[i].push_back(j);
           }
   });
@@ -78,13 +83,14 @@ Lists neighborsOf(const std::vector<Vec3d>& positions, int side, double radius, 
 
 }  // namespace
 
-RelaxedTile::RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed, CpuThreads& threads)
-    : side_(side) {
-  WEIR_CHECK(side >= 1 + 2 * supportRatio);
+RelaxedTile::RelaxedTile(double supportRatio, int side, int height, int sweeps, std::uint64_t seed,
+                         CpuThreads& threads)
+    : sides_{side, height, side} {
+  WEIR_CHECK(std::min(side, height) >= 1 + 2 * supportRatio);
   constexpr double kJitter = 0.5;  // anywhere in its cell: no order is left
   std::uint64_t number = 0;
   for (int z = 0; z < side; ++z)
-    for (int y = 0; y < side; ++y)
+    for (int y = 0; y < height; ++y)
       for (int x = 0; x < side; ++x, number += 3)
         positions_.push_back({x + kJitter * noise(seed, number), y + kJitter * noise(seed, number + 1),
                               z + kJitter * noise(seed, number + 2)});
@@ -96,19 +102,19 @@ void RelaxedTile::assignToNodes() {
   // Neighbouring nodes exchange their particles while that makes the squares of the displacements less.
   constexpr int kRounds = 8;
   const auto index = [&](int x, int y, int z) {
-    return static_cast<std::size_t>((wrapped(z, side_) * side_ + wrapped(y, side_)) * side_ +
-                                    wrapped(x, side_));
+    return static_cast<std::size_t>((wrapped(z, sides_.z) * sides_.y + wrapped(y, sides_.y)) * sides_.x +
+                                    wrapped(x, sides_.x));
   };
   std::vector<Vec3d> moved(positions_.size());  // from the particles' nodes
   const auto nodeOf = [&](std::size_t i) {
     const auto k = static_cast<std::int64_t>(i);
-    return Vec3d{double(k % side_), double(k / side_ % side_), double(k / side_ / side_)};
+    return Vec3d{double(k % sides_.x), double(k / sides_.x % sides_.y), double(k / sides_.x / sides_.y)};
   };
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = positions_[i] - nodeOf(i);
   for (int round = 0; round < kRounds; ++round)
-    for (int z = 0; z < side_; ++z)
-      for (int y = 0; y < side_; ++y)
-        for (int x = 0; x < side_; ++x)
+    for (int z = 0; z < sides_.z; ++z)
+      for (int y = 0; y < sides_.y; ++y)
+        for (int x = 0; x < sides_.x; ++x)
           for (int near = 0; near < 27; ++near) {
             const Vec3d way{double(near % 3 - 1), double(near / 3 % 3 - 1), double(near / 9 - 1)};
             Vec3d &a = moved[index(x, y, z)],
@@ -128,12 +134,12 @@ void RelaxedTile::relax(double supportRatio, int sweeps, CpuThreads& threads) {
   std::vector<double> sums(positions_.size());
   Lists lists;
   for (int sweep = 0; sweep <= sweeps; ++sweep) {
-    if (sweep % kListsFor == 0) lists = neighborsOf(positions_, side_, supportRatio + kSkin, threads);
+    if (sweep % kListsFor == 0) lists = neighborsOf(positions_, sides_, supportRatio + kSkin, threads);
     forAll(threads, positions_.size(), [&](std::size_t i) {
       Vec3d push{};
       double sum = 1;
       for (const int j : lists[i]) {
-        const Vec3d d = between(positions_[i], positions_[static_cast<std::size_t>(j)], side_);
+        const Vec3d d = between(positions_[i], positions_[static_cast<std::size_t>(j)], sides_);
         const double squared = dot(d, d);
         if (squared >= supportRatio * supportRatio || squared == 0) continue;
         const double r = std::sqrt(squared), rest = 1 - r / supportRatio;
@@ -152,8 +158,8 @@ void RelaxedTile::relax(double supportRatio, int sweeps, CpuThreads& threads) {
 }
 
 Vec3f RelaxedTile::displacement(std::int64_t x, std::int64_t y, std::int64_t z) const {
-  const int i = wrapped(x, side_), j = wrapped(y, side_), k = wrapped(z, side_);
-  const Vec3d d = positions_[static_cast<std::size_t>((k * side_ + j) * side_ + i)] -
+  const int i = wrapped(x, sides_.x), j = wrapped(y, sides_.y), k = wrapped(z, sides_.z);
+  const Vec3d d = positions_[static_cast<std::size_t>((k * sides_.y + j) * sides_.x + i)] -
                   Vec3d{double(i), double(j), double(k)};
   return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }

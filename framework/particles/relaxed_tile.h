@@ -22,9 +22,12 @@ class RelaxedTile {
  public:
   /// `side`³ particles (side ≥ 1 + 2·supportRatio), for a support of H = supportRatio·d, after `sweeps`
   /// steps downhill; the same for any number of threads.
-  RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed, CpuThreads& threads);
+  RelaxedTile(double supportRatio, int side, int sweeps, std::uint64_t seed, CpuThreads& threads)
+      : RelaxedTile(supportRatio, side, side, sweeps, seed, threads) {}
+  /// `height` of them along y.
+  RelaxedTile(double supportRatio, int side, int height, int sweeps, std::uint64_t seed, CpuThreads& threads);
 
-  int side() const { return side_; }
+  int height() const { return sides_.y; }
 
   /// How far the particle of a node is from it, in spacings. Nodes count on for ever, in both directions.
   Vec3f displacement(std::int64_t x, std::int64_t y, std::int64_t z) const;
@@ -37,7 +40,7 @@ class RelaxedTile {
   void assignToNodes();
   void relax(double supportRatio, int sweeps, CpuThreads& threads);
 
-  int side_;
+  Vec3i sides_;
   std::vector<Vec3d> positions_;  // spacings, not wrapped
   double meanSum_ = 0;
 };

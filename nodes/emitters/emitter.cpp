@@ -105,14 +105,14 @@ double Emitter::longestStep(const StepContext& next, double cfl) {
 
 void Emitter::step(const StepContext& context) {
   particles->count = 0;
-  flowSpeed_ = 0;
+  flow_ = {};
   const double begin = std::max(context.time, start.get());
   const double end = std::min(context.time + context.dt, stop.get().value_or(context.time + context.dt));
   if (end <= begin) return;
-  flowSpeed_ = speed.mean(begin, end);
-  if (flowSpeed_ == 0) return;
+  const double flowSpeed = speed.mean(begin, end);
+  if (flowSpeed == 0) return;
   // Layer k leaves when the flow has travelled k spacings.
-  const double travelled = travel_ + flowSpeed_ * (end - begin);
+  const double travelled = travel_ + flowSpeed * (end - begin);
   const double layersAfter = std::ceil(travelled / spacing_);
   double wanted = (layersAfter - layers_) * static_cast<double>(inLayer_);
   if (maxParticles.get()) wanted = std::min(wanted, static_cast<double>(*maxParticles.get() - emitted_));
@@ -121,12 +121,13 @@ void Emitter::step(const StepContext& context) {
                           "fewer than 2,147,483,648 particles", "use a smaller speed or a smaller world.dt");
   if (const auto count = static_cast<std::int64_t>(wanted); count > 0) {
     // Where the first layer is at the beginning of the step: this far behind the surface.
-    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed_ * (begin - context.time);
+    const double firstOffset = layers_ * spacing_ - travel_ + flowSpeed * (begin - context.time);
     particles->positions.resize(count);
     particles->velocities.resize(count);
     particles->count = count;
     dispatch(context.device,
-             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed_)); });
+             [&](auto& device) { emitOn(device, count, firstOffset, static_cast<float>(flowSpeed)); });
+    flow_ = {flowSpeed, firstOffset / flowSpeed, inLayer_};
     emitted_ += count;
   }
   layers_ = layersAfter;

@@ -54,7 +54,7 @@ class Emitter : public Node, public OnRanks, public FlowsIn {
   double longestStep(const StepContext& next, double cfl) final;
   void step(const StepContext& context) final;
   void report(NodeReport& report) final;
-  double flowSpeed() const final { return flowSpeed_; }
+  Flow flow() const final { return flow_; }
 
  protected:
   /// The points of a layer and the directions in which they leave, of length 1, in the frame of axes(). Or
@@ -91,7 +91,7 @@ class Emitter : public Node, public OnRanks, public FlowsIn {
   std::uint64_t seed_ = 0;
   Array<Vec3f> points_, directions_;               // of all layers that differ
   std::int64_t inLayer_ = 0;                       // points
-  double flowSpeed_ = 0;                           // m/s, of what was given in the present step
+  Flow flow_;                                      // of what was given in the present step
   State<double> travel_{*this, "travel"};          // m that the flow has moved since it started
   State<double> layers_{*this, "layers"};          // that have left, a whole number
   State<std::int64_t> emitted_{*this, "emitted"};  // particles that have left

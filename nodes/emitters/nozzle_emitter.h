@@ -6,7 +6,9 @@
 //
 // A layer is a square lattice with the outline of the nozzle. For a fluid whose rest state is disordered, its
 // particles are moved from there, differently in each layer, as in a RelaxedTile: the jet is then a piece of
-// fluid at rest, where layers of lattices would be too dense and spray.
+// fluid at rest, where layers of lattices would be too dense and spray. What comes out of equilibrium where
+// the nozzle cuts it moves aside as the jet flies, in each repetition alike: the tile is four times as long
+// as it is wide, as the jet had a rib for each of its 12 layers where it was a cube.
 #pragma once
 
 #include "framework/base/api.h"
@@ -38,7 +40,8 @@ class NozzleEmitter : public Emitter {
     const Quatf q = rotation->toQuaternion();
     return {position, rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
   }
-  int layersMade() const final { return isRelaxed(arrangement, request()) ? kTileSide : 1; }
+  static constexpr int kTileHeight = 4 * kTileSide;
+  int layersMade() const final { return isRelaxed(arrangement, request()) ? kTileHeight : 1; }
   /// Layers with particles at or near the nodes (x, 0, z) of a square lattice.
   Layer layersOf(const SetupContext& context, const std::vector<Vec3f>& nodes) const;
 };

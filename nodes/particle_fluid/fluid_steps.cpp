@@ -59,7 +59,7 @@ double ParticleFluid::largestSpeed() {
 void ParticleFluid::step(const StepContext& context) {
   if (state_->restDt) relaxInitialState(context);
   if (std::exchange(state_->resumed, false)) goOn(context);
-  state_->inflow.carry(state_->particles, context.time, spacing);
+  state_->inflow.carry(state_->particles, context, spacing);
   for (std::size_t i = 0; i < emitters.size(); ++i) give(i, context.time);
   // A rank without particles may get some.
   if (state_->particles.bound() == 0 && !divided_) return;
@@ -89,8 +89,8 @@ void ParticleFluid::give(std::size_t emitter, double time) {
   const ParticleBatch& born = emitters[emitter];
   if (born.count == 0) return;
   const auto* const flow = dynamic_cast<const FlowsIn*>(&emitters.links()[emitter]->node());
-  if (flow != nullptr && flow->flowSpeed() > 0)
-    state.inflow.add(born, static_cast<int>(emitter), flow->flowSpeed(), time, state.particles);
+  if (flow != nullptr && flow->flow().speed > 0)
+    state.inflow.add(born, static_cast<int>(emitter), flow->flow(), time, state.particles);
   BatchSelection selected;
   if (!state.walls.empty()) {
     state.walls.place(time, 0);

@@ -10,12 +10,11 @@ namespace weir {
 
 namespace {
 
-constexpr double kCarried = 1.5;  // spacings
-constexpr int kKept = 2;          // batches of a node; each has a layer at least
+constexpr int kKept = 2;  // batches of a node; each has a layer at least
 
 }  // namespace
 
-void Inflow::add(const ParticleBatch& born, int source, double speed, double time,
+void Inflow::add(const ParticleBatch& born, int source, const FlowsIn::Flow& flow, double time,
                  const ParticleSet& particles) {
   WEIR_CHECK(born.velocities.size() >= born.count);
   const auto isOfSource = [source](const Batch& batch) { return batch.source == source; };
@@ -25,21 +24,22 @@ void Inflow::add(const ParticleBatch& born, int source, double speed, double tim
                                              .velocities = Array<Vec3f>(*device_, born.count),
                                              .firstId = particles.nextId(),
                                              .born = time,
-                                             .speed = speed,
+                                             .flow = flow,
                                              .source = source});
   const std::size_t bytes = static_cast<std::size_t>(born.count) * sizeof(Vec3f);
   device_->copy(batch.positions.data(), born.positions.data(), bytes);
   device_->copy(batch.velocities.data(), born.velocities.data(), bytes);
 }
 
-void Inflow::carry(ParticleSet& particles, double time, float spacing) {
-  std::erase_if(batches_,
-                [&](const Batch& batch) { return batch.speed * (time - batch.born) >= kCarried * spacing; });
+void Inflow::carry(ParticleSet& particles, const StepContext& context, float spacing) {
+  std::erase_if(batches_, [&](const Batch& batch) {
+    const std::int64_t last = (batch.positions.size() - 1) / batch.flow.together;
+    const double travelled = batch.flow.speed * (context.time - batch.born - batch.flow.leaving);
+    return travelled >= (kCarried + static_cast<double>(last)) * spacing;
+  });
   if (particles.bound() == 0) return;
   for (const Batch& batch : batches_)
-    dispatch(*device_, [&](auto& device) {
-      carryOn(device, batch, particles, static_cast<float>(time - batch.born), spacing);
-    });
+    dispatch(*device_, [&](auto& device) { carryOn(device, batch, particles, context, spacing); });
 }
 
 void Inflow::save(const StateWriter& to) const {
@@ -51,7 +51,9 @@ void Inflow::save(const StateWriter& to) const {
     one.put("velocities", batch.velocities, batch.velocities.size());
     one.put("first_id", batch.firstId);
     one.put("born", batch.born);
-    one.put("speed", batch.speed);
+    one.put("speed", batch.flow.speed);
+    one.put("leaving", batch.flow.leaving);
+    one.put("together", batch.flow.together);
     one.put("source", batch.source);
   }
 }
@@ -67,9 +69,15 @@ void Inflow::restore(const StateReader& from) {
                 .velocities = Array<Vec3f>(*device_, one.getAll<Vec3f>("velocities"))};
     one.get("first_id", batch.firstId);
     one.get("born", batch.born);
-    one.get("speed", batch.speed);
+    one.get("speed", batch.flow.speed);
+    batch.flow.together = batch.positions.size();  // of a version that let all of a step go at once
+    if (one.has("together")) {
+      one.get("leaving", batch.flow.leaving);
+      one.get("together", batch.flow.together);
+    }
     one.get("source", batch.source);
-    if (batch.positions.size() == batch.velocities.size()) batches_.push_back(std::move(batch));
+    if (batch.positions.size() == batch.velocities.size() && batch.flow.together > 0)
+      batches_.push_back(std::move(batch));
   }
 }
 

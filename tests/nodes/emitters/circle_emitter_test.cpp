@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "nodes/emitters/square_emitter.h"
 #include "tests/nodes/emitters/jet.h"
@@ -59,6 +60,45 @@ TEST(CircleEmitter, TooLargeOrTooFastIsRefused) {
   }
   Jet<CircleEmitter> fast(*device, kSpacing, object({{"speed", 1e30}}));
   EXPECT_THROW(fast.after(1e-3, 1), Error);
+}
+
+TEST(Emitter, GravityHasAllLayersForAsLongWhereverStepsCutThem) {
+  constexpr double kSpeed = 6, kGravity = 9.8, kDt = 0.0007,
+                   kApart = double(kSpacing) / kSpeed;  // 2.38 steps
+  for (const std::string& name : availableDevices()) {
+    const auto device = openDevice(name);
+    Jet<SquareEmitter> jet(*device, kSpacing, object({{"width", 0.01}, {"height", 0.01}, {"speed", kSpeed}}));
+    jet.scene().gravity = {0, kGravity, 0};
+    const std::vector<Vec3f> layers = jet.after(kDt, 700);
+    ASSERT_GT(layers.size(), 280u);
+    // On parabolas that are one as far behind another, second differences are g·(d/v)².
+    for (std::size_t k = 1; k + 4 < layers.size(); ++k) {
+      const double bent = double(layers[k - 1].y) - 2 * double(layers[k].y) + double(layers[k + 1].y);
+      EXPECT_NEAR(bent, kGravity * kApart * kApart, 0.01 * double(kSpacing)) << name << " layer " << k;
+    }
+  }
+}
+
+TEST(CircleEmitter, WhatIsRelaxedDoesNotRepeatItselfAfterAFewLayers) {
+  const auto device = openDevice("cpu");
+  Jet<CircleEmitter> jet(*device, kSpacing,
+                         object({{"radius", 0.05}, {"speed", 1.0}, {"arrangement", "relaxed"}}));
+  const std::vector<Vec3f> p = jet.after(0.002, 479);
+  constexpr int kLayers = 96;
+  ASSERT_EQ(p.size() % kLayers, 0u);
+  const std::size_t inLayer = p.size() / kLayers;
+  std::vector<double> widths(kLayers);  // the root of the mean square away from the axis
+  for (std::size_t i = 0; i < p.size(); ++i) widths[i / inLayer] += p[i].x * p[i].x + p[i].z * p[i].z;
+  for (double& width : widths) width = std::sqrt(width / double(inLayer));
+  const double mean = std::accumulate(widths.begin(), widths.end(), 0.0) / kLayers;
+  for (int lag = 3; lag <= 40; ++lag) {
+    double both = 0, squares = 0;
+    for (int k = 0; k + lag < kLayers; ++k) {
+      both += (widths[k] - mean) * (widths[k + lag] - mean);
+      squares += 0.5 * (std::pow(widths[k] - mean, 2) + std::pow(widths[k + lag] - mean, 2));
+    }
+    EXPECT_LT(both / squares, 0.6) << "layers apart: " << lag;
+  }
 }
 
 TEST(Emitter, JitterIsBoundedAndDecidedByTheSeed) {
