@@ -81,18 +81,20 @@ struct FluidGridView {
 struct FluidSample {
   float filled = 0;  ///< Σ V·W: 1 within fluid, 1/2 at a flat surface
   Vec3f velocity;    ///< Σ V·W·v / Σ V·W, m/s
+  Vec3f middle;      ///< Σ V·W·x / Σ V·W from the point, m: into the fluid at a surface
 };
 
 WEIR_HD inline FluidSample fluidAt(const FluidGridView& fluid, const Vec3f& p) {
   float sum = 0;
-  Vec3f momentum;
-  fluid.forEachNear(p, [&](int k, const Vec3f&, float squared) {
+  Vec3f momentum, moment;
+  fluid.forEachNear(p, [&](int k, const Vec3f& away, float squared) {
     const float weight = fluid.places[k].w * fluid.shape(squared);
     sum += weight;
     momentum += weight * fluid.velocities[k];
+    moment += weight * away;
   });
   if (!(sum > 0)) return {};
-  return {fluid.factor() * sum, momentum / sum};
+  return {fluid.factor() * sum, momentum / sum, moment / sum};
 }
 
 class FluidGrid {

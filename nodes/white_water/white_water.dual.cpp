@@ -41,6 +41,7 @@ struct Advance {
   Vec3f rise;       // m/s
   Vec3f lift;       // m/s, of foam half a spacing below the surface
   float waterDrag;  // 1/s
+  float filmAging;  // times as fast as on deep water
   float dt;
   WhiteParticles all;
 
@@ -65,8 +66,18 @@ struct Advance {
     all.velocities[i] = moved.velocity;
     all.kinds[i] = static_cast<int>(kind);
     all.ages[i] += dt;
-    if (kind != WhiteKind::kBubble) all.lifetimes[i] -= dt;
+    if (kind != WhiteKind::kBubble)
+      all.lifetimes[i] -= kind == WhiteKind::kFoam ? dt * agingOfFoam(ahead, here) : dt;
     if (!isFinite(moved.position) || walls.removes(moved.position)) all.lifetimes[i] = 0;
+  }
+
+  /// How fast: by what fills the fluid a radius further in, where walls count as none.
+  WEIR_HD float agingOfFoam(const Vec3f& p, const FluidSample& here) const {
+    const float way = length(here.middle);
+    if (filmAging == 1 || !(way > 0)) return 1;
+    const float below = fluidAt(fluid, p + (fluid.radius / way) * here.middle).filled;
+    const float thin = (kFilledBelow - below) / (kFilledBelow - kFilledAbove);
+    return 1 + (filmAging - 1) * (thin > 0 ? (thin < 1 ? thin : 1.0f) : 0.0f);
   }
 
   /// By Heun's method, where it had the fluid's velocity.
@@ -211,6 +222,7 @@ void WhiteWater::advanceOn(Backend& device, const StepContext& context) {
                             .rise = rise,
                             .lift = (way > half ? half / way : 1.0f) * rise,
                             .waterDrag = rate,
+                            .filmAging = 1 / filmLifetime,
                             .dt = dt,
                             .all = elements()});
 }

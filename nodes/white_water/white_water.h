@@ -25,7 +25,8 @@
 //
 // White water goes in steps of its own, of as many of the fluid's as last no longer than max_dt; one ends at
 // each frame. They are exact for a fluid that does not change in them, and of second order for foam in one
-// that does. Lifetimes run while a particle is spray or foam.
+// that does. Lifetimes run while a particle is spray or foam, and faster for foam on films, whose water runs
+// off: where the fluid ends within a radius below it, 1/film_lifetime times as fast.
 //
 // Where ranks share the fluid, they share its white water by the same slabs: a particle goes to the rank in
 // whose slab it will be, where the fluid around it is (remote_fluid.h), and is made by the rank whose
@@ -105,6 +106,16 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
       {.unit = "s",
        .min = 0,
        .doc = "Shortest and longest time as spray and foam; that as a bubble does not count."}};
+  Param<float> filmLifetime{
+      *this,
+      "film_lifetime",
+      0.25f,
+      {.min = 0,
+       .max = 1,
+       .aboveMin = true,
+       .doc = "How long foam lasts on films no thicker than a spacing, whose water runs "
+              "off, as a share of its lifetime on deep water.",
+       .also = "drain, burst, dissolve, thin sheets"}};
   Param<Vec2f> radius{*this,
                       "radius",
                       {0.0005f, 0.0015f},

@@ -399,6 +399,47 @@ TEST_P(WhiteWaterOn, FoamAndSprayDieInTheirTime) {
   EXPECT_TRUE(scene.particles().empty());
 }
 
+/// Of the foam in the middle of that fluid, which has whirled and is at rest, the share that has 0.15 of 0.4
+/// s behind it.
+double foamLeft(Device& device, std::vector<Vec3f> positions, double filmLifetime) {
+  constexpr float d = 0.02f;
+  Given scene(device);
+  scene.fluid->positions = std::move(positions);
+  scene.fluid->velocities = whirl(scene.fluid->positions, d, 2, {});
+  scene.fluid->onStep = [](GivenFluid& fluid, const StepContext& context) {
+    if (context.index == 1) fluid.set().velocities().fillZero();
+  };
+  scene.assign(object({{"trapped_air", 8e6},
+                       {"lifetime", Value::Array{0.4, 0.4}},
+                       {"film_lifetime", filmLifetime},
+                       {"rise_speed", 0.0}}));
+  scene.reset(0.005);
+  scene.step(1);
+  const auto isInner = [](const Vec3f& p) {
+    return std::min(p.x, p.y) > 3 * d && std::max(p.x, p.y) < 8 * d;
+  };
+  std::vector<std::int64_t> foam;
+  for (const auto& [id, p] : scene.particles())
+    if (p.kind == kFoam && isInner(p.position)) foam.push_back(id);
+  EXPECT_GT(foam.size(), 50u);
+  scene.step(30);
+  const auto now = scene.particles();
+  const auto left =
+      std::count_if(foam.begin(), foam.end(), [&](std::int64_t id) { return now.contains(id); });
+  return double(left) / double(foam.size());
+}
+
+TEST_P(WhiteWaterOn, FoamOnAFilmDiesSooner) {
+  constexpr float d = 0.02f;
+  const std::vector<Vec3f> deep = jitteredCube(12, d, 0.1f, 1);
+  std::vector<Vec3f> film;  // stands upright, one particle thick
+  for (const Vec3f& p : deep)
+    if (p.z < 0.5f * d) film.push_back(p);
+  EXPECT_GT(foamLeft(*device, deep, 0.25), 0.95);
+  EXPECT_LT(foamLeft(*device, film, 0.25), 0.1);
+  EXPECT_GT(foamLeft(*device, film, 1), 0.95);
+}
+
 TEST_P(WhiteWaterOn, OfParticlesThatRanksDoNotShareIsRefused) {
   Given scene(*device);
   runOnThreads(1, [&](Communicator& ranks) {
