@@ -206,6 +206,33 @@ class Pictures(WithFolder):
         self.assertTrue(none[0] + 0.03 < little[0] < 0.8 * much[0], (none, little, much))
         self.assertLess(little[1], none[1] + 0.03)
 
+    def test_the_pattern_of_foam_goes_along_with_the_water(self):
+        # A bright face with little foam flows to the right. A tenth of a second later its threads are that much farther.
+        vertices, triangles = box([-2, -2, -0.4], [2, 2, 0])
+        back, sides = box([-3, -3, -1.2], [3, 3, -1])
+        water = {"absorption": [0, 0, 0], "scattering": 0.0, "scattered": [1, 1, 1], "refractive_index": 1.0}
+        things = [surface("water", foam_reach=0.1), {**surface("matt", color=[0, 0, 0]), "name": "wall"}]
+        metre = SIZE / (2 * 4 * numpy.tan(numpy.radians(15)))  # in pixels
+        way = 8  # pixels
+
+        def face(time, speed):
+            velocities = numpy.tile(numpy.array([speed, 0, 0], dtype="f4"), (len(vertices), 1))
+            return self.render(scene(time=time, cycles={"samples": 32}, waters=[water], surfaces=things),
+                               surface0_vertices=vertices, surface0_triangles=triangles, surface1_vertices=back,
+                               surface1_triangles=sides, surface0_velocities=velocities,
+                               surface0_foam=numpy.full(len(vertices), 0.05, dtype="f4")).mean(axis=2)
+
+        def like(a, b):
+            return numpy.corrcoef(a.ravel(), b.ravel())[0, 1]
+
+        speed = way / metre / 0.1
+        before, after = face(0.2, speed), face(0.3, speed)  # one pattern is most of both
+        self.assertGreater(like(before[:, :-way], after[:, way:]), 0.7)
+        self.assertLess(like(before, after), 0.4)
+        still = face(0.05, 0)
+        self.assertGreater(like(still, face(0.3, 0)), 0.95)
+        self.assertAlmostEqual(before.mean(), still.mean(), delta=0.3 * still.mean())
+
     def test_a_surface_may_have_a_colour_at_each_vertex(self):
         vertices, triangles = box([-1, -1, -0.1], [1, 1, 0])
         left = vertices[:, :1] < 0

@@ -7,6 +7,8 @@ from .handover import linear
 # Not "color": Cycles shows that black on point clouds.
 COLOR = "weir_color"
 FOAM = "weir_foam"
+FOAM_PATTERNS = ("weir_foam_places_0", "weir_foam_places_1")  # see foam.py
+FOAM_SHARES = "weir_foam_shares"
 FOAM_GAIN = 1.6  # so that about three times the area of the foam is white, up to a third of all
 WHITE = (0.95, 0.97, 0.98)
 
@@ -142,9 +144,10 @@ def glass(name, color, closed):
     return material
 
 
-def water(name, look, caustics, foam_reach=None):
+def water(name, look, caustics, foam_reach=None, carried=False):
     """Beer and Lambert: of light that goes x metres, exp(-absorption x) is left. Without caustics light goes straight
-    on through the surface to what it lights, and is absorbed on its way as well."""
+    on through the surface to what it lights, and is absorbed on its way as well. `carried`: whether the mesh has the
+    attributes by which foam goes along with the water."""
     material = _new(name)
     nodes = _Nodes(material.node_tree)
     surface = nodes.add("ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0,
@@ -154,18 +157,45 @@ def water(name, look, caustics, foam_reach=None):
         clear = nodes.add("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1)).outputs[0]
         surface = nodes.mix(path.outputs["Is Shadow Ray"], surface, clear)
     if foam_reach is not None:
-        surface = nodes.mix(_lace(nodes, foam_reach), surface, _froth(nodes, _rgba(WHITE)))
+        surface = nodes.mix(_lace(nodes, foam_reach, carried), surface, _froth(nodes, _rgba(WHITE)))
     nodes.output(surface, _inside(nodes, look))
     return material
 
 
-def _lace(nodes, reach):
+def _attribute(nodes, name):
+    node = nodes.add("ShaderNodeAttribute")
+    node.attribute_name = name
+    return node
+
+
+def _lace(nodes, reach, carried):
     """How white it is, by the attribute FOAM. Finer than the mesh: little foam lies in threads around cells of clear
     water, which close as it becomes more."""
-    cover = nodes.add("ShaderNodeAttribute")
-    cover.attribute_name = FOAM
-    share = nodes.math("MULTIPLY", nodes.math("SQRT", cover.outputs["Fac"]), FOAM_GAIN)
-    places = nodes.add("ShaderNodeTexCoord").outputs["Object"]
+    share = nodes.math("MULTIPLY", nodes.math("SQRT", _attribute(nodes, FOAM).outputs["Fac"]), FOAM_GAIN)
+    if carried:
+        height = _carried_threads(nodes, reach)
+    else:
+        height = _threads(nodes, reach, nodes.add("ShaderNodeTexCoord").outputs["Object"])
+    lies = nodes.tree.nodes.new("ShaderNodeMapRange")
+    lies.interpolation_type = "SMOOTHSTEP"
+    nodes.tree.links.new(nodes.math("ADD", share, height), lies.inputs[0])
+    for socket, value in zip(lies.inputs[1:5], (0.75, 1.25, 0.0, 0.95)):
+        socket.default_value = value
+    return lies.outputs[0]
+
+
+def _carried_threads(nodes, reach):
+    """Two patterns that go along with the water for a while, by what foam.py gives each vertex."""
+    shares = nodes.add("ShaderNodeSeparateXYZ", Vector=_attribute(nodes, FOAM_SHARES).outputs["Vector"])
+    height = shares.outputs[2]
+    for pattern, part in zip(FOAM_PATTERNS, shares.outputs):
+        threads = _threads(nodes, reach, _attribute(nodes, pattern).outputs["Vector"])
+        height = nodes.math("ADD", height, nodes.math("MULTIPLY", threads, part))
+    return height
+
+
+def _threads(nodes, reach, places):
+    """From 0 to 1, highest where foam lies first: around cells of two sizes."""
     bent = nodes.add("ShaderNodeTexNoise", Vector=places, Scale=0.4 / reach, Detail=4.0)
     moved = nodes.add("ShaderNodeVectorMath", Vector=bent.outputs["Color"])
     moved.operation = "MULTIPLY_ADD"
@@ -178,12 +208,7 @@ def _lace(nodes, reach):
         cells.feature = "DISTANCE_TO_EDGE"
         thread = nodes.math("MAXIMUM", nodes.math("SUBTRACT", 1.0, nodes.math("MULTIPLY", cells.outputs["Distance"], 3.0)))
         height = nodes.math("ADD", height, nodes.math("MULTIPLY", thread, weight))
-    lies = nodes.tree.nodes.new("ShaderNodeMapRange")
-    lies.interpolation_type = "SMOOTHSTEP"
-    nodes.tree.links.new(nodes.math("ADD", share, height), lies.inputs[0])
-    for socket, value in zip(lies.inputs[1:5], (0.75, 1.25, 0.0, 0.95)):
-        socket.default_value = value
-    return lies.outputs[0]
+    return height
 
 
 def _inside(nodes, look):
@@ -232,10 +257,10 @@ def ground(name, color, radius, tiles, fades):
     return material
 
 
-def surface(name, item, waters, closed, caustics, colored):
+def surface(name, item, waters, closed, caustics, colored, carried):
     """Of a surface of the hand-over, by its look."""
     if item["look"] == "water" and closed:
-        return water(name, waters[item["water"]], caustics, item.get("foam_reach"))
+        return water(name, waters[item["water"]], caustics, item.get("foam_reach"), carried)
     if item["look"] in ("glass", "water"):
         return glass(name, item["color"], closed)
     if item["look"] == "metal":

@@ -10,7 +10,7 @@ import bpy
 import mathutils
 import numpy
 
-from . import materials
+from . import foam, materials
 from .handover import camera_matrix, is_closed, linear, pose_matrix, turned
 
 COLLECTION = "Weir"
@@ -92,16 +92,19 @@ class SceneBuilder:
         file, colors = item.get("mesh"), frame.surface_colors(index)
         if file is None or self._changed("mesh " + name, (str(frame.path.parent), file)):
             vertices, triangles = frame.mesh(index)
-            fill_mesh(thing.data, vertices, triangles, frame.array(f"surface{index}_velocities"), colors,
-                      frame.array(f"surface{index}_foam"))
+            velocities, cover = (frame.array(f"surface{index}_{what}") for what in ("velocities", "foam"))
+            fill_mesh(thing.data, vertices, triangles, velocities, colors, cover)
+            if velocities is not None and cover is not None:
+                carry_foam(thing.data, turned(vertices), turned(velocities), item["foam_reach"], frame.scene["time"])
             self._closed[name] = is_closed(triangles)
         self._place(thing, frame.scene, item)
-        closed = self._closed[name]
+        closed, carried = self._closed[name], materials.FOAM_SHARES in thing.data.attributes
         caustics = frame.scene["cycles"]["caustics"]
         waters = frame.scene["waters"]
         made_of = repr((item["look"], item["color"], closed, caustics, colors is not None,
-                        waters[item["water"]] if item["look"] == "water" else None, item.get("foam_reach")))
-        self._dress(thing, name, made_of, lambda: materials.surface(name, item, waters, closed, caustics, colors is not None))
+                        waters[item["water"]] if item["look"] == "water" else None, item.get("foam_reach"), carried))
+        self._dress(thing, name, made_of,
+                    lambda: materials.surface(name, item, waters, closed, caustics, colors is not None, carried))
         return name
 
     def _place(self, thing, description, item):
@@ -266,7 +269,7 @@ def _tone(scene, picture):
     view.exposure = math.log2(picture["exposure"]) + (0.6 if view.view_transform == "AgX" else 0)
 
 
-def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None, foam=None):
+def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None, cover=None):
     """Makes it the mesh of these triangles, smooth; the velocities are for motion blur, the colours light."""
     mesh.clear_geometry()
     vertices = turned(vertices)
@@ -283,9 +286,16 @@ def fill_mesh(mesh, vertices, triangles, velocities=None, colors=None, foam=None
     mesh.polygons.foreach_set("use_smooth", _smooth(vertices, corners))
     _set_velocities(mesh, velocities)
     _set(mesh, COLOR, "FLOAT_COLOR", "color", colors)
-    _set(mesh, materials.FOAM, "FLOAT", "value", foam)
+    _set(mesh, materials.FOAM, "FLOAT", "value", cover)
     mesh.update(calc_edges=True)
     mesh.validate()
+
+
+def carry_foam(mesh, vertices, velocities, reach, time):
+    """Gives each vertex what its foam's pattern is made of."""
+    places, shares = foam.carried(vertices, velocities, reach, time)
+    for name, values in zip((*materials.FOAM_PATTERNS, materials.FOAM_SHARES), (*places, shares)):
+        _set(mesh, name, "FLOAT_VECTOR", "vector", values)
 
 
 def _smooth(vertices, corners):
