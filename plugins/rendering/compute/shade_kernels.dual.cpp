@@ -117,11 +117,6 @@ struct Shade {
     return mix(along(row), along(other), std::fabs(asideY));
   }
 
-  WEIR_HD Numbers3 skyLight(const Numbers3& normal) const {
-    return shading::skyLightOf(normal, allOf(in.light.up), allOf(in.light.skyBelow),
-                               allOf(in.light.skyAbove));
-  }
-
   WEIR_HD Numbers3 backgroundAt(int y) const {
     const float height = (static_cast<float>(y) + 0.5f) / static_cast<float>(in.seen.camera.height);
     return shading::backgroundOf(Number(height), allOf(in.light.background[0]),
@@ -165,7 +160,8 @@ struct Shade {
     const Number sun =
         any(sunny) ? select(turned, sunlight(position, normal, x, y, sunny), Number(0.0f)) : Number(0.0f);
     const Numbers3 sunColor = allOf(in.light.sunColor);
-    const Numbers3 sky = skyLight(normal);
+    const Numbers3 sky =
+        shading::skyLightOf(normal, allOf(in.light.up), allOf(in.light.skyBelow), allOf(in.light.skyAbove));
     const Numbers3 color = times(surface, shading::diffuseLight(sky, open, sunColor, sun, facing));
     if (!any(!ground)) return faded(color, position, y);
     const Numbers3 towardsEye = unit(-position);
@@ -173,7 +169,7 @@ struct Shade {
     Numbers3 light = shading::withShine(color, surface, allOf(in.light.sky), open, sunColor, sun, cosine,
                                         dot(normal, towardsEye));
     if (any(white)) {
-      const Numbers3 froth = shading::frothLight(sky, skyLight(-normal), open, sunColor, sun);
+      const Numbers3 froth = shading::frothLight(allOf(in.light.skyAbove), sunColor, sun);
       light = select(white, times(surface, froth), light);
     }
     return any(ground) ? select(ground, faded(color, position, y), light) : light;

@@ -90,20 +90,17 @@ FORMULA real fresnel(real cosine, float straight) {
   return straight + (1.0f - straight) * square * square * slant;
 }
 
-// Occlusion takes a little from the sun's light, too.
-FORMULA real openToSun(real open) { return 1.0f + (open - 1.0f) * 0.35f; }
-
-// The light that meets a surface.
+// The light that meets a surface. Occlusion takes a little from the sun's light, too.
 FORMULA real3 diffuseLight(real3 sky, real open, real3 sunColor, real sun, real facing) {
-  return sky * open + sunColor * (sun * facing * openToSun(open));
+  return sky * open + sunColor * (sun * facing * (1.0f + (open - 1.0f) * 0.35f));
 }
 
 // The light out of white water: drops and bubbles that are too small to be seen one by one, and lie in crowds in which
-// light goes from one to the next until it leaves on all sides alike. Of the sky's that is the mean of both sides; of
-// the sun's half, which is what white paper shows on the mean of all directions in which it is lit. What is hemmed in
-// is lit by what is around it.
-FORMULA real3 frothLight(real3 skyBefore, real3 skyBehind, real open, real3 sunColor, real sun) {
-  return ((skyBefore + skyBehind) * 0.5f + sunColor * (0.5f * sun)) * openToSun(open);
+// light goes from one to the next until it leaves on all sides alike. So each gets from below, from its neighbours, what
+// the sky gives from above; of the sun's light it shows half, which is what white paper shows on the mean of all
+// directions in which it is lit.
+FORMULA real3 frothLight(real3 skyFromAbove, real3 sunColor, real sun) {
+  return skyFromAbove + sunColor * (0.5f * sun);
 }
 
 // What particles reflect besides: the sun, as a normalised Blinn-Phong highlight (J. Blinn 1977) with F. Giesen's factor

@@ -69,7 +69,7 @@ void main() {
   if (facing >= 0.0 || white) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
   vec3 sunColor = uSunColor * sun;
   vec3 diffuse = diffuseLight(skyLight(normal), open, sunColor, 1.0, max(facing, 0.0));
-  if (white) diffuse = frothLight(skyLight(normal), skyLight(-normal), open, sunColor, 1.0);
+  if (white) diffuse = frothLight(skyLight(uUp), sunColor, 1.0);
   vec3 color = surface.rgb * diffuse;
   if (particle)
     color = withShine(color, surface.rgb, uSkyColor, open, sunColor, step(0.0, facing),

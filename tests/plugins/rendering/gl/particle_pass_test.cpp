@@ -202,6 +202,14 @@ TEST_P(Particles, WhiteWaterIsWhiteWhereverTheSunStands) {
   }
 }
 
+TEST_P(Particles, WhiteWaterInTheShadeIsAsBrightAsTheSkyAbove) {
+  Cloud cloud;
+  cloud.view.lighting.sunStrength = 0;
+  const Greys greys = greysOf(renderer.draw(cloud.view));
+  EXPECT_GT(greys.darkest, 3 * 180);
+  EXPECT_LT(greys.brightest - greys.darkest, 3 * 20);  // between drops the white background is seen
+}
+
 TEST_P(Particles, WhiteWaterCastsNoShadow) {
   const std::array<Vec3f, 1> drop{Vec3f{0, 1, 0}};
   View view = plainView();
