@@ -56,6 +56,7 @@ double Heightfield::channelCut(double z) const {
 }
 
 double Heightfield::noiseHeight(double x, double z) const {
+  x += shape_.bumpOffset.x, z += shape_.bumpOffset.y;
   double sum = 0, amplitude = shape_.roughness, size = shape_.featureSize;
   for (int octave = 0; octave < shape_.octaves; ++octave, amplitude /= 2, size /= 2)
     sum += amplitude * valueNoise(shape_.seed, octave, x / size, z / size);

@@ -18,6 +18,7 @@ struct HeightfieldShape {
   float roughness = 0;    ///< amplitude of the noise's coarsest octave
   float featureSize = 1;  ///< of its bumps
   int octaves = 4;        ///< each of half the size and half the amplitude of the one before
+  Vec2f bumpOffset{};     ///< the place in the noise, which has no end, of x = 0, z = 0
   int rocks = 0;
   Vec2f rockSize{0.1f, 0.3f};  ///< least and largest radius
   Vec2f rockRange{-2, 2};      ///< of the x at which they stand

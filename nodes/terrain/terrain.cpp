@@ -37,6 +37,7 @@ void Terrain::reset(const SetupContext& context) {
                            .roughness = roughness,
                            .featureSize = featureSize,
                            .octaves = octaves,
+                           .bumpOffset = bumpOffset,
                            .rocks = rocks,
                            .rockSize = rockSize,
                            .rockRange = rockRange.get().value_or(Vec2f{-0.5f * size->x, 0.5f * size->x}),

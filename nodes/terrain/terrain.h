@@ -49,6 +49,14 @@ class Terrain final : public Node, public OnRanks {
       "octaves",
       4,
       {.min = 1, .max = 12, .doc = "Sizes of bumps, each half as large and half as high as the last."}};
+  Param<Vec2f> bumpOffset{
+      *this,
+      "bump_offset",
+      {},
+      {.unit = "m",
+       .doc = "Moves the bumps by as much the other way along x and z: those of terrains of one "
+              "seed whose offsets are their positions go on in each other.",
+       .also = "noise, tiling, seam"}};
   Param<int> rocks{*this, "rocks", 0, {.min = 0, .max = 1000, .doc = "Number of rocks."}};
   Param<Vec2f> rockSize{
       *this,

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "framework/graph/scene_graph.h"
 #include "tests/support/devices.h"
 #include "tests/support/expect_error.h"
@@ -52,6 +54,32 @@ TEST(Terrain, AFlatOneIsABoxInItsPlace) {
   EXPECT_NEAR(box.hi.y, 20, 1e-5);
   EXPECT_NEAR(box.lo.z, 29, 1e-5);
   EXPECT_EQ(mesh.triangles.size(), std::size_t(6 * 4 * 2 + 3 * 20));
+}
+
+TEST(Terrain, OnesOfOneSeedGoOnInEachOtherByTheirOffsets) {
+  const auto border = [](double middle, double offset) {
+    const TriangleMesh mesh = terrain(object({{"size", Value::Array{4, 4}},
+                                              {"cells", 16},
+                                              {"roughness", 0.3},
+                                              {"feature_size", 1.5},
+                                              {"seed", 7},
+                                              {"bump_offset", Value::Array{offset, 0}},
+                                              {"position", Value::Array{middle, 0, 0}}}));
+    std::map<float, float> heights;  // of the upper side at x = 2, by z
+    for (const Vec3f& v : mesh.vertices)
+      if (std::abs(v.x - 2) < 1e-4f)
+        heights[v.z] = std::max(v.y, heights.try_emplace(v.z, -1.0f).first->second);
+    return heights;
+  };
+  const auto left = border(0, 0), right = border(4, 4), other = border(4, 0);
+  ASSERT_EQ(left.size(), 17u);
+  ASSERT_EQ(right.size(), left.size());
+  float apart = 0;
+  for (const auto& [z, height] : left) {
+    EXPECT_NEAR(right.at(z), height, 1e-4) << z;
+    apart = std::max(apart, std::abs(other.at(z) - height));
+  }
+  EXPECT_GT(apart, 0.1f);
 }
 
 TEST(Heightfield, FollowsItsProfileAndItsChannel) {
