@@ -141,7 +141,7 @@ void ParticleFluid::estimate(const SetupContext& context, MemoryNeeds& needs) {
   checkParticleCount({.all = maxParticles_,
                       .onRank = share.own + share.halo,
                       .ranks = ranks_ != nullptr ? ranks_->size() : 0,
-                      .gathered = ranks_ != nullptr && isGathered(),
+                      .gathered = ranks_ != nullptr && isWatched(),
                       .spacing = spacing},
                      needs.remedy);
   needs.particles = maxParticles_;
