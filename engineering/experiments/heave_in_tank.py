@@ -1,6 +1,6 @@
 """Period of a ball that heaves, half under water, in a round tank by linear potential flow (engineering/bodies.md): finite
-elements in (R, θ) about its centre, waves and ball on in time. With the drop's height also with the stiffness of a ball,
-c·z·(1 − z²/3r²), in place of c·z. Needs numpy.
+elements in (R, θ) about its centre, waves and ball on in time; once with the stiffness c·z of linear theory, once with that
+of a ball, c·z·(1 − z²/3r²). Needs numpy.
 
   python3 engineering/experiments/heave_in_tank.py [NAME=VALUE…]
 """
