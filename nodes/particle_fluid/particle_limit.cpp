@@ -24,7 +24,7 @@ void checkParticleCount(const ParticleOutlook& outlook,
   check(outlook.all, kMaxOfRanks, "", " of all ranks, as their sums have room for no more", "");
   if (outlook.gathered)
     check(outlook.all, kMax, ", which the first rank would gather", " where it does",
-          ", or a run without what gathers them, as checkpoints, pictures and exports but those by rank do");
+          ", or a run without what gathers them, as pictures and exports but those by rank do");
 }
 
 }  // namespace weir
