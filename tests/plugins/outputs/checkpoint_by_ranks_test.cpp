@@ -20,13 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kEnd = "12";  // a frame, past the last one that is saved
+
 class CheckpointByRanks : public RanksTest {
  protected:
   CheckpointByRanks() { scene_ = folder_.write("scene.json", kStateful); }
 
   std::vector<std::string> arguments(const std::vector<std::string>& more) const {
-    std::vector<std::string> all{
-        "run", scene_, "--quiet", "--checkpoint", file_, "--device", where_, "--checkpoint-every", "4"};
+    std::vector<std::string> all{"run", scene_,         "--quiet", "--device",           where_, "--threads",
+                                 "1",   "--checkpoint", file_,     "--checkpoint-every", "4"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -65,11 +67,12 @@ class CheckpointByRanks : public RanksTest {
     }
     EXPECT_GE(compared, 4);
   }
-  /// What the run makes of it from here on, with any ranks: a text of all numbers at the end.
-  std::string endOf(const std::vector<std::string>& more, int processes = 1) const {
+  /// What the run makes of it from here on, with any ranks: a text of all numbers at a frame.
+  std::string endOf(const std::vector<std::string>& more, int processes = 1, const char* frame = kEnd) const {
     const std::string to = folder_ / "end.json";
-    const std::vector<std::string> all =
-        with({"run", scene_, "--quiet", "--device", where_, "--stats", to}, more);
+    const std::vector<std::string> all = with(
+        {"run", scene_, "--quiet", "--device", where_, "--threads", "1", "--stats", to, "--frames", frame},
+        more);
     const ChildResult result = processes == 1 ? runWeir(all) : runByMpi(processes, all);
     EXPECT_EQ(result.code, 0) << result.err;
     return writeJson(*parseJson(readFile(to), to).find("nodes"));
@@ -145,11 +148,11 @@ TEST_F(CheckpointByRanks, OfProcessesOfMpiIsThatOfThreads) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
   const std::string whole = endOf({"--ranks", "2"});
   save({"--ranks", "3"});
-  EXPECT_EQ(endOf({"--threads", "1", "--resume", file_}, 2), whole);
+  EXPECT_EQ(endOf({"--resume", file_}, 2), whole);
   const std::string threads = folder_ / "threads.h5";
   fs::rename(file_, threads);
   fs::copy(folder_ / "run.parts", folder_ / "kept", fs::copy_options::recursive);
-  const ChildResult result = runByMpi(2, arguments({"--threads", "1", "--frames", "9"}));
+  const ChildResult result = runByMpi(2, arguments({"--frames", "9"}));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(endOf({"--ranks", "3", "--resume", file_}), whole);
   for (const auto& entry : fs::directory_iterator(folder_ / "kept"))
@@ -240,7 +243,7 @@ TEST_F(CheckpointByRanks, AllRanksTakeTheOneBeforeWhereOneFindsAPartDamaged) {
   save({"--ranks", "3"});
   fs::resize_file(part("2.rank_2.h5"), 1000);
   std::vector<std::string> all =
-      arguments({"--ranks", "3", "--resume", "auto", "--stats", folder_ / "auto.json"});
+      arguments({"--ranks", "3", "--frames", kEnd, "--resume", "auto", "--stats", folder_ / "auto.json"});
   std::erase(all, "--quiet");
   const ChildResult result = runWeir(all);
   EXPECT_EQ(result.code, 0) << result.err;
@@ -283,9 +286,10 @@ TEST_F(CheckpointByRanks, AFullDiskLeavesTheLastOneAndNoParts) {
 
 TEST_F(CheckpointByRanks, KilledProcessesLeaveAWholeOneAtEveryMoment) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
-  const std::vector<std::string> longer{"--threads", "1", "--duration", "20", "--frames", "40"};
-  const std::string whole = endOf(with({"--ranks", "3"}, longer));
-  std::vector<std::string> all = arguments(with(longer, {"--resume", "auto"}));
+  const std::vector<std::string> longer{"--duration", "20"};
+  const char* const last = "40";
+  const std::string whole = endOf(with({"--ranks", "3"}, longer), 1, last);
+  std::vector<std::string> all = arguments(with(longer, {"--frames", last, "--resume", "auto"}));
   *std::find(all.begin(), all.end(), "4") = "1";
   std::mt19937 random(5);
   for (int kills = 0; kills < 4; ++kills) {
@@ -301,7 +305,7 @@ TEST_F(CheckpointByRanks, KilledProcessesLeaveAWholeOneAtEveryMoment) {
     const ChildResult info = runWeir({"info", file_});
     ASSERT_EQ(info.code, 0) << info.err;
   }
-  EXPECT_EQ(endOf(with({"--resume", file_}, longer), 2), whole);
+  EXPECT_EQ(endOf(with({"--resume", file_}, longer), 2, last), whole);
   // Parts of checkpoints that were not made go with the next one.
   ASSERT_EQ(runByMpi(2, all).code, 0);
   EXPECT_EQ(parts().size(), 4u);

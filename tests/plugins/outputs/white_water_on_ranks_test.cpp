@@ -22,7 +22,7 @@ constexpr const char* kWhite = R"({
                "modules": { "viscosity": { "params": { "rate": 75 } } } },
     "foam": { "type": "WhiteWater",
               "params": { "trapped_air": 6e5, "wave_crests": 2e6, "air_limits": [0.02, 0.3], "crest_limits": [1, 10],
-                          "lifetime": [0.05, 0.2], "max_particles": 4000 } }
+                          "lifetime": [0.05, 0.2], "max_particles": 8000 } }
   },
   "links": ["block.particles -> water.initial", "jet.particles -> water.emitters", "tank.boundary -> water.boundaries",
             "hole.sink -> water.sinks", "bar.surface -> beam.solids", "water.fluid -> beam.fluid",
