@@ -228,10 +228,9 @@ std::unique_ptr<CheckpointStore> RunCommand::checkpointStore(const std::string& 
   return checkpointStoreOf(program_.registry(), fmt::format("--{} {}", option, printable(path, 200)), path);
 }
 
-std::optional<Checkpoints> RunCommand::makeCheckpoints() const {
-  if (checkpoint_.empty()) return std::nullopt;
-  return std::make_optional<Checkpoints>(checkpoint_, CheckpointInterval::parse(checkpointEvery_),
-                                         checkpointStore("checkpoint", checkpoint_));
+Checkpoints RunCommand::makeCheckpoints() const {
+  return {checkpoint_, CheckpointInterval::parse(checkpointEvery_),
+          checkpointStore("checkpoint", checkpoint_)};
 }
 
 std::optional<Checkpoint> RunCommand::readCheckpoint(const Simulation& simulation,
@@ -357,17 +356,18 @@ RunEnd RunCommand::runScene(std::unique_ptr<Scene> scene, Device& device, Log& l
   Simulation simulation(std::move(scene), device, log, program_.registry());
 
   std::optional<Checkpoint> resumed = readCheckpoint(simulation, ranks);
-  std::optional<Checkpoints> checkpoints = makeCheckpoints();
+  std::optional<Checkpoints> checkpoints;
   std::optional<CheckpointsByRanks> byRanks;
-  if (checkpoints && ranks != nullptr) byRanks.emplace(std::move(*checkpoints), *ranks);
   RunOptions options;
   options.lastFrame = frames_;
-  if (byRanks)
-    options.checkpointsByRanks = &*byRanks;
-  else if (checkpoints)
-    options.checkpoints = &*checkpoints;
-  const bool isWarned = ranks == nullptr || ranks->rank() == 0;
-  if (checkpoints && isWarned) options.saveAndStop = &Interruption::warned();
+  if (!checkpoint_.empty()) {
+    if (ranks != nullptr)
+      options.checkpointsByRanks = &byRanks.emplace(makeCheckpoints(), *ranks);
+    else
+      options.checkpoints = &checkpoints.emplace(makeCheckpoints());
+    const bool isWarned = ranks == nullptr || ranks->rank() == 0;
+    if (isWarned) options.saveAndStop = &Interruption::warned();
+  }
   if (resumed) options.resume = &resumed->state;
   const std::vector<std::unique_ptr<Observer>> observers = makeObservers(simulation.scene(), ranks);
   std::optional<AgreedRun> agreed;

@@ -34,7 +34,7 @@ class RunCommand {
   /// What names of checkpoints may end in; asked for only if one is to be made.
   std::vector<std::string> checkpointEndings() const;
   std::unique_ptr<CheckpointStore> checkpointStore(const std::string& option, const std::string& path) const;
-  std::optional<Checkpoints> makeCheckpoints() const;
+  Checkpoints makeCheckpoints() const;
   /// What --resume names, if it belongs to the simulation; with `auto`, the newest one if there is any.
   std::optional<Checkpoint> readCheckpoint(const Simulation& simulation, Communicator* ranks) const;
   void printResults() const;

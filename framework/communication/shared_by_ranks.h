@@ -6,20 +6,12 @@
 
 namespace WEIR_API weir {
 
-/// What on rank 0 needs the particles of all ranks. Numbers of reports need no such thing, nor do checkpoints
-/// (checkpoints_by_ranks.h).
-struct WatchedByRanks {
-  bool frames = true;       ///< something that looks at every frame
-  bool checkpoints = true;  ///< means nothing; here for plugins that are built
-};
-
 class SharedByRanks {
  public:
   virtual ~SharedByRanks() = default;
-  /// Before the first reset, on all ranks alike.
-  virtual void watch(WatchedByRanks watched) = 0;
-  /// Nobody calls it; here for plugins that are built.
-  virtual void gather() {}
+  /// Whether something looks at every frame on rank 0, which needs the particles of all ranks for that.
+  /// Reports and checkpoints (checkpoints_by_ranks.h) do without. Before the first reset, on all ranks alike.
+  virtual void watch(bool watched) = 0;
   /// How the ranks fare, as of the last frame: an object of numbers, for --stats. Empty without ranks.
   virtual Value ranksReport() const = 0;
 };

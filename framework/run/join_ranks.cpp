@@ -19,7 +19,7 @@ void joinRanks(Simulation& simulation, Communicator& ranks, bool watched) {
       throw e.inNode(node->name()).at({.file = simulation.scene().file});
     }
   }
-  const WatchedByRanks agreed{.frames = ranks.any(ranks.rank() == 0 && watched), .checkpoints = false};
+  const bool agreed = ranks.any(ranks.rank() == 0 && watched);
   for (const auto& node : simulation.scene().graph.nodes())
     if (auto* const shared = dynamic_cast<SharedByRanks*>(node.get())) shared->watch(agreed);
 }

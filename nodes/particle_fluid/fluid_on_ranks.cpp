@@ -49,7 +49,7 @@ const Slabs* ParticleFluid::slabs() const {
 /// All ranks have the same scene, and answer alike. What asks for something, as what brings solids does, does
 /// with those that each rank has.
 bool ParticleFluid::isWatched() const {
-  return watched_.frames || fluid.links().size() > fluid.requests().size();
+  return watched_ || fluid.links().size() > fluid.requests().size();
 }
 
 ParticleFluid::ShareOfRank ParticleFluid::shareOfRank(double all) const {
@@ -165,8 +165,6 @@ void ParticleFluid::gatherAll() {
   if (gathered_) gathered_->clear();
   divided_->gather(gathered_ ? &*gathered_ : nullptr);
 }
-
-void ParticleFluid::gather() {}
 
 void ParticleFluid::tellOfShares(Log& log) const {
   if (maxParticles_ == 0) return;

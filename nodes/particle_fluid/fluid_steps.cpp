@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "framework/compute/dispatch.h"
@@ -149,29 +148,13 @@ void ParticleFluid::refreshLooks(const StepContext& context) {
   });
 }
 
-namespace {
-
-EventsOfAll wide(const NeighborEvents& events) {
-  return {events.truncated, events.escaped, events.nonFinite, events.cutOffByOrder};
-}
-
-/// As checkpoints have them.
-int atMostInt(std::int64_t count) {
-  return static_cast<int>(std::min<std::int64_t>(count, std::numeric_limits<int>::max()));
-}
-
-}  // namespace
-
 void ParticleFluid::sumEvents() {
-  const EventsOfAll own = wide(state_->neighbors.eventsOnHost()), more = wide(state_->moreEvents);
+  const EventsOfAll own = EventsOfAll::of(state_->neighbors.eventsOnHost());
+  const EventsOfAll& more = state_->moreEvents;
   std::array<std::int64_t, 4> sums{own.truncated + more.truncated, own.escaped + more.escaped,
                                    own.nonFinite + more.nonFinite, own.cutOffByOrder + more.cutOffByOrder};
   if (divided_) ranks_->sum(sums);
-  if (frame_) frame_->events = {sums[0], sums[1], sums[2], sums[3]};
-  state_->events = {.truncated = atMostInt(sums[0]),
-                    .escaped = atMostInt(sums[1]),
-                    .nonFinite = atMostInt(sums[2]),
-                    .cutOffByOrder = atMostInt(sums[3])};
+  state_->events = {sums[0], sums[1], sums[2], sums[3]};
 }
 
 void ParticleFluid::checkEvents() {
@@ -181,7 +164,7 @@ void ParticleFluid::checkEvents() {
   constexpr double kMaxNonFiniteShare = 1e-3;
   const double max = std::max(double(kMaxNonFinite), kMaxNonFiniteShare * double(particleCount()));
   const bool speaks = !divided_ || ranks_->rank() == 0;
-  if (speaks && state.events.nonFinite > max)
+  if (speaks && double(state.events.nonFinite) > max)
     throw simulationError(
         fmt::format(
             "the simulation diverged: {} particles have positions or velocities that are NaN or infinite",
@@ -200,7 +183,7 @@ void ParticleFluid::checkEvents() {
         fmt::format(
             "{} times neighbour lists were cut off in an order that may differ from run to run, which "
             "--deterministic and ranks forbid",
-            kListGroup * std::int64_t{state.events.cutOffByOrder}),
+            kListGroup * state.events.cutOffByOrder),
         {}, "use a smaller support_ratio or spread the fluid less, or run without these");
 }
 
@@ -217,7 +200,7 @@ void ParticleFluid::report(NodeReport& report) {
   writeFluidStatistics(particleCount(), sums, constants_, state.gravity, report.statistics);
   report.statistics["rest_steps"] = state.restSteps;
   report.statistics["bulk_modulus"] = double(constants_.bulkModulus) / constants_.stiffened;
-  const EventsOfAll events = frame_ ? frame_->events : wide(state.events);
+  const EventsOfAll& events = state.events;
   report.statistics["neighbors_truncated"] = events.truncated;
   report.statistics["particles_escaped"] = events.escaped;
   report.statistics["particles_not_finite"] = events.nonFinite;

@@ -8,15 +8,9 @@
 
 namespace weir {
 
-/// NeighborEvents of all ranks together.
-struct EventsOfAll {
-  std::int64_t truncated = 0, escaped = 0, nonFinite = 0, cutOffByOrder = 0;
-};
-
 struct FrameOnRanks {
   std::int64_t particles = 0;  ///< of all ranks
   FluidSums sums;
-  EventsOfAll events;
   Value report = Value::object();  ///< for SharedByRanks::ranksReport()
 };
 

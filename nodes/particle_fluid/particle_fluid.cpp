@@ -190,8 +190,8 @@ void ParticleFluid::restore(const StateReader& from) {
 
 /// Every rank has read what one has counted, and what all have counted together.
 void ParticleFluid::restoreEvents(const StateReader& from) {
-  const NeighborEvents ofOne = state_->neighbors.eventsOnHost();
-  NeighborEvents all = ofOne;
+  const EventsOfAll ofOne = EventsOfAll::of(state_->neighbors.eventsOnHost());
+  EventsOfAll all = ofOne;
   if (from.has("events")) from.get("events", all);
   if (divided_ && ranks_->rank() > 0) all = {};
   state_->moreEvents = {.truncated = all.truncated - ofOne.truncated,

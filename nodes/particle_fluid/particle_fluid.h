@@ -15,6 +15,7 @@
 #include "framework/particles/periodic_images.h"
 #include "framework/solids/solid_coupling.h"
 #include "nodes/particle_fluid/bulk_energy.h"
+#include "nodes/particle_fluid/events_of_all.h"
 #include "nodes/particle_fluid/fluid_module.h"
 #include "nodes/particle_fluid/inflow.h"
 #include "nodes/particle_fluid/periodic_domain.h"
@@ -155,8 +156,7 @@ class ParticleFluid final : public Node,
 
   ParticleSet& owned() override { return state_->particles; }
   const Slabs* slabs() const override;
-  void watch(WatchedByRanks watched) override { watched_ = watched; }
-  void gather() override;
+  void watch(bool watched) override { watched_ = watched; }
   Value ranksReport() const override;
   /// From its reset on.
   const FluidConstants& constants() const { return constants_; }
@@ -191,8 +191,8 @@ class ParticleFluid final : public Node,
     Array<int> bornCount;
     Inflow inflow;
     Vec3f gravity{};
-    NeighborEvents events;         // of all ranks
-    NeighborEvents moreEvents;     // counted before a checkpoint, and not by this rank
+    EventsOfAll events;
+    EventsOfAll moreEvents;        // counted before a checkpoint, and not by this rank
     std::int64_t restSteps = 0;    // taken before the start
     std::optional<double> restDt;  // s, of those steps; empty once they are taken
     bool resumed = false;          // and no step made since
@@ -295,7 +295,7 @@ class ParticleFluid final : public Node,
   std::optional<State> state_;
   // On several ranks.
   Communicator* ranks_ = nullptr;
-  WatchedByRanks watched_;
+  bool watched_ = true;
   std::unique_ptr<DividedParticles> divided_;
   std::optional<ParticleSet> gathered_;  // on rank 0, from the reset on, if somebody looks
   std::unique_ptr<FrameOnRanks> frame_;

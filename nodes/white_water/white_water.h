@@ -175,7 +175,7 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
 
   ParticleSet& owned() override { return *set_; }
   const Slabs* slabs() const override { return shared_ ? &shared_->particles.slabs() : nullptr; }
-  void watch(WatchedByRanks watched) override { watched_ = watched; }
+  void watch(bool watched) override { watched_ = watched; }
   Value ranksReport() const override;
 
  private:
@@ -271,7 +271,7 @@ class WhiteWater final : public Node, public OnRanks, public OwnedParticles, pub
   std::uint64_t seed_ = 0;
   bool warned_ = false;
   Communicator* ranks_ = nullptr;
-  WatchedByRanks watched_;
+  bool watched_ = true;
   std::unique_ptr<Shared> shared_;         // on several ranks, from the reset on
   State<double> waited_{*this, "waited"};  // since its last step, s
   State<std::int64_t> steps_{*this, "steps"}, made_{*this, "made"}, refused_{*this, "refused"};

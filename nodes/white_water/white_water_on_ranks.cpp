@@ -39,7 +39,7 @@ OwnedParticles& WhiteWater::sharedFluid() const {
 }
 
 bool WhiteWater::isWatched() const {
-  return watched_.frames || particles.links().size() > particles.requests().size();
+  return watched_ || particles.links().size() > particles.requests().size();
 }
 
 void WhiteWater::share(Device& device) {

@@ -35,8 +35,7 @@ class Reader final : public Node, public Role... {
 
 class Sharing : public SharedByRanks {
  public:
-  void watch(WatchedByRanks) override {}
-  void gather() override {}
+  void watch(bool) override {}
   Value ranksReport() const override { return Value::object(); }
 };
 
