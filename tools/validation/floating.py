@@ -45,6 +45,34 @@ def level_in_tank(frame, mass, area, spacing):
     return (water["particles"] * DENSITY * spacing ** 3 + mass) / density / area
 
 
+def floating_cube(lab):
+    """A cube and a cylinder as high as wide, both upright, are let go a little above the water, in one pool. Their draught is
+    the share of water's density that they have (Archimedes). TwoProjections is held to it, the default solver stands beside."""
+    half, width, length = (variable("floating_cube", name) for name in ("half", "width", "length"))
+    spacing = lab.scale(0.01, 0.005)
+    runs = {(solver, density): lab.run(f"floating_cube/{solver}_{density}", "validation/floating_cube",
+                                       {"let.density": str(density), "let.above": str(spacing), "water.spacing": str(spacing),
+                                        "water.solver.type": solver})
+            for solver in ("TwoProjections", "AcceleratedSolver") for density in (100, 500, 900)}
+    within = lab.scale(0.02, 0.01)
+    rows, curves = [], []
+    for (solver, density), result in runs.items():
+        held = solver == "TwoProjections"
+        for body in ("cube", "cylinder"):
+            def draught(frame):
+                mass = sum(node(frame, name)["mass"] for name in ("cube", "cylinder"))
+                level = level_in_tank(frame, mass, 4 * width * length, spacing)
+                return (level - node(frame, body)["position"][1] + half) / (2 * half)
+            right = density / DENSITY
+            found = mean(draught(frame) for frame in result.series if frame["time"] > 0.8)
+            rows.append(Row(f"draught over height, {body} of {2 * half / spacing:.0f} spacings, {density} kg/m³, {solver}", found,
+                            "", right, **({"above": right - within, "below": right + within} if held else {})))
+            if held:
+                curves.append((f"{body}, {density} kg/m³", [f["time"] for f in result.series],
+                               [draught(frame) for frame in result.series], "-"))
+    return Outcome(rows, (Chart("How deep bodies float", "time (s)", "draught over height", tuple(curves)),))
+
+
 def floating_beam(lab):
     """A beam of square section is let go 20 degrees off upright. Light and heavy ones turn upright, those of some half of
     water's density onto an edge, as has the least potential energy; and they float as deep as their density says."""

@@ -1,6 +1,7 @@
 """Where checks are made: runs scenes through the weir program and reads what it wrote."""
 
 import copy
+import json
 import shutil
 import sys
 import threading
@@ -12,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools" / "paper"))
 
 import program  # noqa: E402
+import scene as scenes  # noqa: E402
 
 SCENES = ROOT / "resources" / "scenes"
 GRAVITY, DENSITY = 9.8, 1000.0  # of all scenes
@@ -94,10 +96,11 @@ class Pending:
 
 class Lab:
     """Runs of all checks, that many `jobs` at a time, first come, first served. With `reuse`, results of the very same
-    command are taken where they are there already: they may be another build's. `limit`: s that a run may take."""
+    command are taken where they are there already: they may be another build's. `limit`: s that a run may take. `solver`: a
+    type of module that takes the place of the solver of all scenes."""
 
-    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True, limit=None):
-        self.reuse, self._limit = reuse, limit
+    def __init__(self, weir, out, device, threads, full, say, reuse=False, jobs=1, pictures=True, limit=None, solver=None):
+        self.reuse, self._limit, self._solver = reuse, limit, solver
         self._pictures = pictures  # whether those that a check asks for are made
         self._pool = ThreadPoolExecutor(jobs)
         self._lock = threading.Lock()  # of what runs leave here
@@ -127,12 +130,24 @@ class Lab:
         their runs before they look at the first."""
         return Pending(self._pool.submit(self._run, name, scene, settings, options))
 
+    def _with_solver(self, name, scene):
+        """A copy of the scene whose fluids have this lab's solver, with its defaults, and no artificial viscosity."""
+        changed = scenes.read(scene)
+        for fluid in changed["nodes"].values():
+            if fluid["type"] == "ParticleFluid":
+                fluid.setdefault("modules", {}).update(solver={"type": self._solver}, viscosity={"enabled": False})
+        made = self.out / "scenes" / f"{name}.json"
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.write_text(json.dumps(changed), encoding="utf-8")
+        return made
+
     def _run(self, name, scene, settings, options):
         options["pictures"] = self._pictures and options.get("pictures", False)
         if not self.reuse:
             shutil.rmtree(self.out / name, ignore_errors=True)
-        result, seconds = program.run(self.weir, SCENES / f"{scene}.json", self.out / name, settings or {}, self.device,
-                                      threads=self.threads, limit=self._limit, **options)
+        scene = SCENES / f"{scene}.json"
+        result, seconds = program.run(self.weir, self._with_solver(name, scene) if self._solver else scene, self.out / name,
+                                      settings or {}, self.device, threads=self.threads, limit=self._limit, **options)
         with self._lock:
             if result.stats:
                 self.seconds += result.stats["wall_seconds"]

@@ -63,6 +63,7 @@ CHECKS = [
     Check("couette", "Couette flow", without_ends.couette),
     Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green),
     Check("released_ball", "Added mass", floating.released_ball),
+    Check("floating_cube", "Draught of floating bodies", floating.floating_cube, long=True),
     Check("floating_beam", "Attitudes of a floating beam", floating.floating_beam, long=True),
     Check("heaving_ball", "A ball that heaves", floating.heaving_ball, long=True),
     Check("wedge_entry", "Water entry of a wedge", floating.wedge_entry, long=True),
@@ -84,6 +85,8 @@ def options_parser():
     parser.add_argument("--beside", type=Path, action="append", default=[], metavar="FILE",
                         help="a results.json that this command left on another machine: its numbers stand beside, too")
     parser.add_argument("--only", default="", metavar="CHECKS", help="some checks, such as efflux,drop")
+    parser.add_argument("--solver", metavar="TYPE", help="a solver for all scenes in place of their own, such as TwoProjections, "
+                        "with its defaults and without artificial viscosity; results go to a folder of its name")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "validation", metavar="DIR",
                         help="where all is written")
     parser.add_argument("--reuse", action="store_true",
@@ -117,6 +120,8 @@ def arguments(argv):
     parsed.devices = [device.strip() for device in parsed.device.split(",")]
     if not all(parsed.devices) or len(set(parsed.devices)) < len(parsed.devices):
         parser.error(f"--device: {parsed.device!r} is not allowed; devices, each once, with commas between them")
+    if parsed.docs and parsed.solver:
+        parser.error("--docs: the page shows the solvers of the scenes, so --solver cannot be given with it")
     if parsed.jobs < 1:
         parser.error(f"--jobs: {parsed.jobs} is not allowed; at least 1")
     if parsed.limit is not None and parsed.limit <= 0:
@@ -189,7 +194,7 @@ def judged(options, device, out, drawn, say):
     done, results = [], []
     with ThreadPoolExecutor(len(options.checks) if options.jobs > 1 else 1) as checking, \
             Lab(options.weir, out, device, options.threads, options.scale == "full", say, options.reuse,
-                options.jobs, drawn, options.limit) as lab:  # left first: the checks of a run that failed wait for no others
+                options.jobs, drawn, options.limit, options.solver) as lab:  # left first: the checks of a run that failed wait for no others
         begun = sorted(options.checks, key=lambda check: options.jobs > 1 and not check.long)
         pending = {check.key: checking.submit(result_of, check, lab.of_one_check(), store, options.resume) for check in begun}
         for check in options.checks:
@@ -224,7 +229,7 @@ def main(argv):
     options = arguments(argv)
     beside = [results_of(path) for path in options.beside]
     command = shlex.join(["./dev", "validate", *(word for word in argv[2:] if word != "--resume")])
-    base = options.out.resolve() / options.scale
+    base = options.out.resolve() / options.scale / (options.solver or "")
 
     def say(text):
         print(text, file=sys.stderr, flush=True)

@@ -121,6 +121,11 @@ class Checks(unittest.TestCase):
         self.assertIn("--only cannot be given", said.getvalue())
         self.assertIn(validate.MARKER, (ROOT / "engineering" / "validation.md").read_text(encoding="utf-8"))
 
+    def test_the_documents_are_of_the_solvers_of_the_scenes(self):
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as said:
+            validate.arguments(["--weir", "w", "--solver", "Pbf", "--docs"])
+        self.assertIn("--solver cannot be given", said.getvalue())
+
     def test_a_lab_asks_the_program_for_what_is_needed(self):
         with tempfile.TemporaryDirectory() as folder:
             stand_in = Path(folder) / "weir"
@@ -145,6 +150,11 @@ class Checks(unittest.TestCase):
             self.assertFalse(left.exists())
             self.assertEqual(lab.machine, "none")
             self.assertIn("--images", lab.run("drop/1", "validation/drop", pictures=True).stats["seen"])
+            changed = Lab(stand_in, Path(folder) / "out", "cpu", 2, False, lambda text: None, solver="TwoProjections")
+            scene = scenes.read(changed.run("drop/2", "validation/efflux").stats["seen"][1])
+            self.assertEqual(scene["nodes"]["water"]["modules"],
+                             {"solver": {"type": "TwoProjections"}, "viscosity": {"enabled": False}})
+            self.assertEqual(scene["nodes"]["vessel"], scenes.read(SCENES / "validation" / "efflux.json")["nodes"]["vessel"])
             undrawn = Lab(stand_in, Path(folder) / "out", "cpu", 2, False, lambda text: None, pictures=False)
             self.assertNotIn("--images", undrawn.run("drop/1", "validation/drop", pictures=True).stats["seen"])
 
@@ -280,6 +290,14 @@ echo '{"device": {"description": "a machine"}, "wall_seconds": 0.1}' >"$2"
         self.cut.clear()
         self.call()
         self.assertEqual(len(self.made), 3)
+
+    def test_what_another_solver_made_is_made_again(self):
+        self.cut_off()
+        self.cut.clear()
+        self.call("--resume", "--solver", "Pbf")
+        self.assertEqual(self.made, ["first", "second", "third"])
+        self.call("--resume")
+        self.assertEqual(self.made, ["third"])
 
     def test_what_another_commit_device_or_scale_made_is_made_again(self):
         for more, commit in (((), "d"), (("--device", "cuda"), "c"), (("--scale", "full"), "c")):
