@@ -46,13 +46,12 @@ def level_in_tank(frame, mass, area, spacing):
 
 
 def floating_cube(lab):
-    """A cube and a cylinder as high as wide, both upright, are let go a little above the water, in one pool. Their draught is
-    the share of water's density that they have (Archimedes). TwoProjections is held to it, the default solver stands beside."""
+    """A cube and a cylinder as high as wide, both upright, are let go in one pool where they should float: as deep as the
+    share of water's density that they have (Archimedes). TwoProjections is held to it, the default solver stands beside."""
     half, width, length = (variable("floating_cube", name) for name in ("half", "width", "length"))
     spacing = lab.scale(0.01, 0.005)
     runs = {(solver, density): lab.run(f"floating_cube/{solver}_{density}", "validation/floating_cube",
-                                       {"let.density": str(density), "let.above": str(spacing), "water.spacing": str(spacing),
-                                        "water.solver.type": solver})
+                                       {"let.density": str(density), "water.spacing": str(spacing), "water.solver.type": solver})
             for solver in ("TwoProjections", "AcceleratedSolver") for density in (100, 500, 900)}
     within = lab.scale(0.02, 0.01)
     rows, curves = [], []

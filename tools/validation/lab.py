@@ -41,7 +41,7 @@ class Row:
         """None where nothing is demanded. NaN passes nothing."""
         demands = []
         if self.within is not None:
-            demands.append(abs(self.deviation) <= self.within)
+            demands.append(abs(self.measured - self.expected) <= self.within * abs(self.expected))
         if self.below is not None:
             demands.append(self.measured < self.below)
         if self.above is not None:

@@ -44,6 +44,11 @@ class Verdicts(unittest.TestCase):
         self.assertTrue(Row("x", 5000, expected=5000, within=0.0).passed)
         self.assertFalse(Row("x", 4999, expected=5000, within=0.0).passed)
 
+    def test_of_nothing_expected_no_share_is_allowed(self):
+        self.assertTrue(Row("x", 0.0, expected=0.0, within=0.05).passed)
+        self.assertFalse(Row("x", 1e-3, expected=0.0, within=0.05).passed)
+        self.assertFalse(Row("x", math.nan, expected=0.0, within=0.05).passed)
+
     def test_nothing_passes_that_is_no_number(self):
         self.assertFalse(Row("x", math.nan, expected=1, within=0.5).passed)
         self.assertFalse(Row("x", math.nan, below=1).passed)
