@@ -81,7 +81,8 @@ class Watcher final : public LiveRenderer {
       view.camera = {
           .eye = camera->eye, .target = camera->target, .up = camera->up, .fovDegrees = camera->fovDegrees};
     Picture picture = renderer_->draw(view);
-    overlay_.draw(overlayText(settings_, title_, scene, *view_, plots), picture);
+    overlay_.draw(overlayText(settings_, title_, scene, view_->colorKey(), view_->colorMap(), plots),
+                  picture);
     return picture;
   }
 

@@ -5,7 +5,7 @@
 namespace weir::rendering {
 
 OverlayText overlayText(const RenderSettings& settings, const std::string& title, const SceneSnapshot& scene,
-                        const SceneView& view, std::vector<Plot> plots) {
+                        const ColorKey& key, const ColorMap& map, std::vector<Plot> plots) {
   OverlayText text;
   text.lightText = wantsLightText(settings.backgroundTop, settings.backgroundBottom);
   if (settings.overlay) {
@@ -13,10 +13,9 @@ OverlayText overlayText(const RenderSettings& settings, const std::string& title
     text.seconds = scene.time;
     text.particles = scene.particles;
   }
-  const ColorKey& key = view.colorKey();
   const std::string caption = key.unit.empty() ? key.quantity : key.quantity + " in " + key.unit;
   text.plots = std::move(plots);
-  if (key.shown) text.bar = ColorBar{view.colorMap(), key.low, key.high, caption};
+  if (key.shown) text.bar = ColorBar{map, key.low, key.high, caption};
   return text;
 }
 

@@ -12,6 +12,6 @@ namespace weir::rendering {
 
 /// Title, time and number of particles where the settings want them, what the colours mean, and plots.
 OverlayText overlayText(const RenderSettings& settings, const std::string& title, const SceneSnapshot& scene,
-                        const SceneView& view, std::vector<Plot> plots);
+                        const ColorKey& key, const ColorMap& map, std::vector<Plot> plots);
 
 }  // namespace weir::rendering

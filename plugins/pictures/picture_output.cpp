@@ -8,12 +8,14 @@
 #include "framework/run/stopwatch.h"
 #include "framework/scene/scene_file.h"
 #include "plugins/cycles/cycles_renderer.h"
+#include "plugins/pictures/composited_frames.h"
 #include "plugins/pictures/overlay_text.h"
 #include "plugins/rendering/make_renderer.h"
 #include "plugins/video/frame_ledger.h"
 #include "plugins/video/growing_video.h"
 #include "plugins/video/image_file.h"
 #include "plugins/video/image_sequence.h"
+#include "plugins/video/saved_video.h"
 #include "plugins/video/video_writer.h"
 #include "plugins/views/plot_history.h"
 #include "plugins/views/scene_capture.h"
@@ -35,9 +37,9 @@ decltype(auto) measured(double& seconds, F&& work) {
 /// What one camera sees. All but write() and writeParts() are called as an Observer's.
 class Pictures {
  public:
-  /// By the first camera, or by one of the others.
-  explicit Pictures(OutputPaths paths, std::optional<std::size_t> camera = std::nullopt)
-      : paths_(std::move(paths)), camera_(camera) {}
+  /// By the first camera, or by one of the others; of particles, or of what ranks have found of theirs.
+  Pictures(OutputPaths paths, bool ofRanks, std::optional<std::size_t> camera = std::nullopt)
+      : paths_(std::move(paths)), ofRanks_(ofRanks), camera_(camera) {}
 
   /// A replay may begin anywhere.
   void begin(Simulation& simulation) {
@@ -50,35 +52,13 @@ class Pictures {
     history_->save(to.in("plots"));
     if (!video_) return;
     video_->save();
-    const VideoState& state = video_->state();
-    const StateWriter video = to.in(kVideo);
-    video.put("frames", state.frames);
-    video.put("width", state.size.width);
-    video.put("height", state.size.height);
-    video.put("rate", state.size.frameRate);
-    video.put("bytes", state.bytes);
-    video.put("mark", state.mark);
-    video.put("encoder", std::span<const char>(state.encoder));
+    saveVideo(video_->state(), to.in(kVideo));
   }
 
   void resume(Simulation& simulation, const StateReader& from) {
     std::int64_t frames = 0;
     from.get("frames", frames);
-    const StateReader video = from.in(kVideo);
-    std::optional<VideoState> earlier;
-    if (video.has("frames")) {
-      earlier.emplace();
-      video.get("frames", earlier->frames);
-      video.get("width", earlier->size.width);
-      video.get("height", earlier->size.height);
-      video.get("rate", earlier->size.frameRate);
-      if (video.has("bytes")) {
-        video.get("bytes", earlier->bytes);
-        video.get("mark", earlier->mark);
-      }
-      const std::vector<char> encoder = video.getAll<char>("encoder");
-      earlier->encoder.assign(encoder.begin(), encoder.end());
-    }
+    const std::optional<VideoState> earlier = savedVideo(from.in(kVideo));
     if (!earlier && frames > 0 && paths_.contains(kVideo))
       simulation.log().warn("the video begins with frame " + std::to_string(frames) +
                             ", as the checkpoint is of a run without one");
@@ -92,10 +72,7 @@ class Pictures {
     settings_ = &settings;
     title_ = simulation.scene().title;
     history_.emplace(settings.plots, simulation.scene().world.duration);
-    // Made here, so that a machine without OpenGL or Blender is found out at once; current only where it is
-    // drawn with.
-    renderer_ = makeMaker(simulation);
-    view_ = std::make_unique<SceneView>(settings, cameraOf(settings), *renderer_);
+    makeRenderers(simulation);
     overlay_ = std::make_unique<Overlay>(fontFolder());
     if (const auto path = paths_.find(kVideo); path != paths_.end())
       startVideo(path->second, simulation.scene(), earlier);
@@ -118,7 +95,14 @@ class Pictures {
     const ParticlePlace place = made_ ? ParticlePlace::kHost : ParticlePlace::kWhereTheyAreDrawn;
     const View view = measured(viewing_, [&] { return view_->of(scene, place); });
     history_->add(scene.time, scene.plotted);
-    if (!made_ || !isThere(scene, view)) draw(scene, view);
+    if (!made_ || !isThere(scene, view))
+      draw(scene, view_->colorKey(), [&] { return renderer_->draw(view); });
+    ++frames_;
+  }
+
+  void write(const SceneSnapshot& scene, const CompositedFrame::Picture& of) {
+    history_->add(scene.time, scene.plotted);
+    draw(scene, of.key, [&] { return compositor_->draw(of.view, of.seen); });
     ++frames_;
   }
 
@@ -161,10 +145,13 @@ class Pictures {
     if (times > 0) video_->write(std::move(picture));
   }
 
-  void draw(const SceneSnapshot& scene, const View& view) {
-    Picture picture = measured(drawing_, [&] { return renderer_->draw(view); });
+  template <class F>
+  void draw(const SceneSnapshot& scene, const ColorKey& key, const F& drawn) {
+    Picture picture = measured(drawing_, drawn);
     if (!picture.isWhole()) return;  // interrupted
-    measured(labelling_, [&] { overlay_->draw(textOf(scene), picture); });
+    measured(labelling_, [&] {
+      overlay_->draw(overlayText(*settings_, title_, scene, key, map_, history_->plots()), picture);
+    });
     measured(handingOver_, [&] { handOver(std::move(picture)); });
   }
 
@@ -174,6 +161,19 @@ class Pictures {
     if (images_ && video_) images_->write(picture);
     if (images_ && !video_) images_->write(std::move(picture));
     if (video_) addToVideo(std::move(picture));
+  }
+
+  /// At the start, so that a machine without OpenGL or Blender is found out at once; current only where it is
+  /// drawn with.
+  void makeRenderers(const Simulation& simulation) {
+    map_ = settings_->color->colorMap();
+    if (ofRanks_) {
+      device_ = siblingOf(simulation.device());
+      compositor_.emplace(*device_);
+      return;
+    }
+    renderer_ = makeMaker(simulation);
+    view_ = std::make_unique<SceneView>(*settings_, cameraOf(*settings_), *renderer_);
   }
 
   std::unique_ptr<PictureMaker> makeMaker(const Simulation& simulation) const {
@@ -191,7 +191,7 @@ class Pictures {
   void addFiles() {
     constexpr int kColors = 256;
     for (int i = 0; i < kColors && !settings_->color->file->empty(); ++i) {
-      const Vec3f color = view_->colorMap().at(static_cast<float>(i) / (kColors - 1));
+      const Vec3f color = map_.at(static_cast<float>(i) / (kColors - 1));
       made_->addAll(std::span(&color, 1));
     }
     if (const EnvironmentImage* image = view_->surroundings())
@@ -243,11 +243,8 @@ class Pictures {
     images_.emplace(paths_.at(kImages), frames_);
   }
 
-  OverlayText textOf(const SceneSnapshot& scene) const {
-    return overlayText(*settings_, title_, scene, *view_, history_->plots());
-  }
-
   OutputPaths paths_;
+  bool ofRanks_;
   std::optional<std::size_t> camera_;
   const RenderSettings* settings_ = nullptr;
   std::string title_;
@@ -257,6 +254,10 @@ class Pictures {
   std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
   std::unique_ptr<PictureMaker> renderer_;
   std::unique_ptr<SceneView> view_;
+  // In place of these, of ranks.
+  std::unique_ptr<Device> device_;
+  std::optional<ComputeRenderer> compositor_;
+  ColorMap map_;
   std::unique_ptr<Overlay> overlay_;
   std::optional<PlotHistory> history_;
   std::optional<GrowingVideo> video_;
@@ -267,10 +268,12 @@ class Pictures {
   std::int64_t there_ = 0;      // that have not been drawn again
 };
 
-/// What all cameras of a scene see: each has pictures of its own, of one copy of the frame.
+/// What all cameras of a scene see: each has pictures of its own, of one copy of the frame. On ranks above 0
+/// there are none, and frames are found alone.
 class SeveralCameras final : public Observer {
  public:
-  explicit SeveralCameras(const OutputPaths& paths) : paths_(paths) {}
+  explicit SeveralCameras(const OutputPaths& paths, Communicator* ranks = nullptr)
+      : paths_(paths), ranks_(ranks) {}
 
   std::string name() const override { return "pictures"; }
   std::string_view stateName() const override { return "pictures"; }
@@ -290,10 +293,12 @@ class SeveralCameras final : public Observer {
   }
 
   std::unique_ptr<Snapshot> capture(Simulation& simulation, std::unique_ptr<Snapshot> used) override {
+    if (ranks_ != nullptr) return composited_->at(simulation);
     return capture_->at(simulation,
                         std::unique_ptr<SceneSnapshot>(static_cast<SceneSnapshot*>(used.release())));
   }
   void write(Snapshot& snapshot) override {
+    if (ranks_ != nullptr) return writeComposited(static_cast<const CompositedFrame&>(snapshot));
     for (const Camera& camera : cameras_) camera.pictures->write(static_cast<SceneSnapshot&>(snapshot));
   }
   std::vector<OutputPart> writeParts() const override {
@@ -339,24 +344,34 @@ class SeveralCameras final : public Observer {
     return camera.empty() ? state : state.in("cameras").in(camera);
   }
 
+  void writeComposited(const CompositedFrame& frame) const {
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+      cameras_[i].pictures->write(frame.scene, frame.pictures[i]);
+  }
+
   /// The first one first: the folders of the others are in its folder.
   template <class F>
   void start(const Simulation& simulation, const F& begin) {
     const auto& settings = static_cast<const RenderSettings&>(*simulation.scene().sections.at("render"));
     const bool byCycles = settings.engine == PictureEngine::kCycles;
+    if (ranks_ != nullptr) composited_.emplace(settings, simulation, *ranks_);
     capture_.emplace(settings, CaptureNeeds{.velocities = byCycles && settings.cycles->shutter > 0,
                                             .closedWater = byCycles});
     cameras_.clear();
-    cameras_.push_back({"", std::make_unique<Pictures>(paths_)});
+    if (ranks_ != nullptr && ranks_->rank() > 0) return;
+    const bool ofRanks = ranks_ != nullptr;
+    cameras_.push_back({"", std::make_unique<Pictures>(paths_, ofRanks)});
     for (std::size_t i = 0; i < settings.cameras.size(); ++i) {
       const std::string& camera = settings.cameras[i].name;
-      cameras_.push_back({camera, std::make_unique<Pictures>(pathsOf(paths_, camera), i)});
+      cameras_.push_back({camera, std::make_unique<Pictures>(pathsOf(paths_, camera), ofRanks, i)});
     }
     for (Camera& camera : cameras_) begin(*camera.pictures, camera.name);
   }
 
   OutputPaths paths_;
+  Communicator* ranks_;
   std::optional<SceneCapture> capture_;
+  std::optional<CompositedFrames> composited_;  // in its place, on ranks
   std::vector<Camera> cameras_;
 };
 
@@ -369,6 +384,14 @@ std::vector<OutputOption> PictureOutput::options() const {
 
 std::unique_ptr<Observer> PictureOutput::create(const OutputPaths& paths) const {
   return std::make_unique<SeveralCameras>(paths);
+}
+
+bool PictureOutput::isAsked(const Scene& scene) const {
+  return canBeComposited(scene);
+}
+
+std::unique_ptr<Observer> PictureOutput::create(const OutputPaths& paths, Communicator& ranks) const {
+  return std::make_unique<SeveralCameras>(paths, &ranks);
 }
 
 }  // namespace weir::rendering

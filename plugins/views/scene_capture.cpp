@@ -5,6 +5,7 @@
 
 #include "framework/base/text.h"
 #include "framework/graph/outputs_of.h"
+#include "framework/particles/owned_particles.h"
 #include "framework/particles/particles.h"
 #include "framework/solids/motion_of.h"
 #include "nodes/emitters/nozzle_emitter.h"
@@ -208,7 +209,7 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
   snapshot.particles = 0;
   for (const auto& [node, output] : outputsOf<Particles>(simulation.scene().graph)) {
     if (!(*output)->exist()) continue;
-    ParticleSet& particles = (*output)->set();
+    ParticleSet& particles = particlesOf(*output);
     const std::int64_t count = particles.refreshCount();
     snapshot.particles += count;
     if (!showsParticles(*output)) continue;
@@ -239,6 +240,12 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
       snapshot.colorUnit = startColors(particles, by, "/render/color/by", count, to);
     }
   }
+  if (needs_.ranks != nullptr) snapshot.particles = needs_.ranks->sum(snapshot.particles);
+}
+
+ParticleSet& SceneCapture::particlesOf(Output<Particles>& output) const {
+  auto* const shared = needs_.ranks != nullptr ? dynamic_cast<OwnedParticles*>(&output.node()) : nullptr;
+  return shared != nullptr ? shared->owned() : output->set();
 }
 
 /// Of the surface that was made of the fluid.

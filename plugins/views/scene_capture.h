@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/communication/communicator.h"
 #include "framework/compute/frame_copy.h"
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/shapes.h"
@@ -103,6 +104,8 @@ struct CaptureNeeds {
   /// Fluids of the look "water" as surfaces, in place of their particles, and what of them is spray as white
   /// water.
   bool closedWater = false;
+  /// Of several ranks: each captures what it owns, of nodes that are OwnedParticles, with the number of all.
+  Communicator* ranks = nullptr;
 };
 
 class SceneCapture {
@@ -120,6 +123,7 @@ class SceneCapture {
   void addSurface(const TriangleMesh& mesh, const std::string& node, const MovedMesh& moved,
                   StillScene& still);
   void captureFluids(const Simulation& simulation, SceneSnapshot& snapshot) const;
+  ParticleSet& particlesOf(Output<Particles>& output) const;
   void captureSpray(const std::string& node, const Particles& fluid, FluidSnapshot& to) const;
   void captureFluidSurfaces(const Simulation& simulation, SceneSnapshot& snapshot);
   void captureClosedWater(const Simulation& simulation, SceneSnapshot& snapshot, std::size_t first);

@@ -26,6 +26,20 @@ float roundUp(float x) {
   return 10 * power;
 }
 
+/// The box around the boxes of all ranks, if there are some, and likewise their range.
+Aabb boxOfRanks(Communicator* ranks, const Aabb& own) {
+  if (ranks == nullptr) return own;
+  Aabb all;
+  for (const Aabb& of : ranks->allGather(own)) all.extend(of);
+  return all;
+}
+
+Vec2f rangeOfRanks(Communicator* ranks, Vec2f range) {
+  if (ranks == nullptr) return range;
+  for (const Vec2f& of : ranks->allGather(range)) range = {std::min(range.x, of.x), std::max(range.y, of.y)};
+  return range;
+}
+
 Device& deviceOf(const PictureMaker& maker) {
   WEIR_CHECK(maker.device() != nullptr);
   return *maker.device();
@@ -33,10 +47,12 @@ Device& deviceOf(const PictureMaker& maker) {
 
 }  // namespace
 
-SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker)
+SceneView::SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker,
+                     Communicator* ranks)
     : settings_(settings),
       camera_(camera),
       maker_(maker),
+      ranks_(ranks),
       device_(deviceOf(maker)),
       map_(settings.color->colorMap()),
       cuts_(cutsOf(settings.clips)) {
@@ -73,8 +89,9 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   view.ground.height = floor_.value_or(box.lo.y);
   view.ground.center = box.center();
   view.ground.radius = kGroundShare * length(box.size());
-  addEnvironment(view);
-  view.transparent = settings_.transparent;
+  addEnvironment(settings_, view);
+  view.environmentImage = image_;
+  if (image_ && !settings_.environment->sun.isSet()) view.lighting.towardsSun = image_->towardsSun;
   // Ranges, bounds and what cameras follow are those of all particles.
   const std::size_t fluids = view.particles.size();
   for (std::size_t i = 0; i < fluids && !cuts_.empty(); ++i) shown_[i]->cut(cuts_);
@@ -86,8 +103,8 @@ View SceneView::of(SceneSnapshot& snapshot, ParticlePlace place) {
   return view;
 }
 
-void SceneView::addEnvironment(View& view) const {
-  const EnvironmentSettings& environment = *settings_.environment;
+void SceneView::addEnvironment(const RenderSettings& settings, View& view) {
+  const EnvironmentSettings& environment = *settings.environment;
   view.ground.color = environment.groundColor;
   view.ground.tiles = environment.groundTiles;
   view.lighting.towardsSun = environment.sun;
@@ -95,9 +112,8 @@ void SceneView::addEnvironment(View& view) const {
   view.lighting.tone = environment.tone;
   view.lighting.sunStrength = environment.sunStrength;
   view.environment = environment.look;
-  view.environmentImage = image_;
   view.environmentBehind = environment.background;
-  if (image_ && !environment.sun.isSet()) view.lighting.towardsSun = image_->towardsSun;
+  view.transparent = settings.transparent;
 }
 
 void SceneView::takeStill(const StillScene& still) {
@@ -143,7 +159,7 @@ void SceneView::addFluids(SceneSnapshot& snapshot, View& view) {
                               .node = fluid.node,
                               .white = fluid.white});
     if (water) addWater(fluid, view);
-    if (!boundsAreStatic_) bounds_.extend(shown_[i]->box());
+    if (!boundsAreStatic_) bounds_.extend(boxOfRanks(ranks_, shown_[i]->box()));
   }
   loadSurfaceFluids(snapshot);
   if (colored) chooseRange(view);
@@ -269,7 +285,7 @@ void SceneView::chooseRange(const View& view) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
   float low = rangeFound_ ? key_.low : kNone, high = rangeFound_ ? key_.high : -kNone;
   const auto widen = [&](ShownParticles& particles) {
-    const Vec2f range = particles.range();
+    const Vec2f range = rangeOfRanks(ranks_, particles.range());
     low = std::min(low, range.x);
     high = std::max(high, range.y);
   };

@@ -33,7 +33,10 @@ class SceneView {
  public:
   /// Gives its surfaces to the maker of pictures, which must outlive it and have a device of the hardware
   /// that the snapshots come from. Throws an io Error if a file that the settings name is wrong.
-  SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker);
+  /// `ranks`: snapshots have the particles of each, and all make views of them together, which are alike but
+  /// for their particles, if no camera follows these.
+  SceneView(const RenderSettings& settings, const CameraSettings& camera, PictureMaker& maker,
+            Communicator* ranks = nullptr);
 
   /// The view of a frame; it points to what this object and the snapshot hold until the next call.
   View of(SceneSnapshot& snapshot, ParticlePlace place = ParticlePlace::kWhereTheyAreDrawn);
@@ -42,6 +45,8 @@ class SceneView {
   const ColorMap& colorMap() const { return map_; }
   /// Null if they are not a picture.
   const EnvironmentImage* surroundings() const { return image_.get(); }
+  /// Light and surroundings of all views with these settings, but for the light of a picture of these.
+  static void addEnvironment(const RenderSettings& settings, View& view);
 
  private:
   void takeStill(const StillScene& still);
@@ -65,11 +70,11 @@ class SceneView {
   /// Where that is what the camera follows; nothing if it follows nothing, or nothing is there.
   std::optional<Vec3f> followedPlace(const SceneSnapshot& snapshot);
   CameraPose restingCamera() const;
-  void addEnvironment(View& view) const;
 
   const RenderSettings& settings_;
   const CameraSettings& camera_;
   PictureMaker& maker_;
+  Communicator* ranks_;
   Device& device_;  // the maker's
   ColorMap map_;
   std::shared_ptr<const EnvironmentImage> image_;  // of the surroundings, or null

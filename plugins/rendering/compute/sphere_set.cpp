@@ -30,6 +30,7 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
   while (inputs_.size() < views.size()) inputs_.push_back(std::make_unique<Input>(device_));
 
   parts_.assign(1, {});
+  opaqueEnds_.clear();
   std::int64_t end = 0;
   for (const Kind kind : {Kind::kCasting, Kind::kWhite, Kind::kLiquid}) {
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -39,6 +40,8 @@ Aabb SphereSet::load(std::span<const ParticleView> views) {
       end += spheres.size;
       if (view.water)
         parts_.push_back({view.water, view.radius, view.inset(), view.chord(), spheres, spheres});
+      else
+        opaqueEnds_.push_back(end);
     }
     if (kind == Kind::kCasting) parts_.front().casting = {spheres_.data(), end};
     if (kind == Kind::kWhite) parts_.front().spheres = {spheres_.data(), end};

@@ -30,6 +30,8 @@ class SphereSet {
   Aabb load(std::span<const ParticleView> views);
   /// What is no liquid, one view behind the other.
   const Part& opaque() const { return parts_.front(); }
+  /// Where the spheres of each view end among these: of what casts shadows, then of white water.
+  std::span<const std::int64_t> opaqueEnds() const { return opaqueEnds_; }
   /// The opaque ones first.
   std::span<const Part> parts() const { return parts_; }
   /// Whether there are particles of that liquid, or that are none.
@@ -52,6 +54,7 @@ class SphereSet {
   Array<SplatSphere> spheres_;
   Array<Aabb> boxes_;  // of the centres of each view
   std::vector<Part> parts_{1};
+  std::vector<std::int64_t> opaqueEnds_;
 };
 
 }  // namespace weir::rendering

@@ -45,18 +45,17 @@ Frame makeFrame(const View& view, int samples, const Aabb& casters) {
               .width = view.width * samples,
               .height = view.height * samples,
               .camera = makeCamera(view.camera, aspect, seenBox(view, casters))};
+  for (const ParticleView& particles : view.particles)
+    if (!particles.positions.empty()) frame.largestRadius = std::max(frame.largestRadius, particles.radius);
   frame.hasShadows = view.lighting.shadows && !view.lighting.unlit && !casters.empty();
   if (frame.hasShadows) frame.sun = makeSunView(view.lighting.towardsSun, casters, kShadowResolution);
   return frame;
 }
 
 /// How far ambient occlusion reaches, m.
-static float occlusionRadius(const View& view, const Aabb& casters) {
-  if (view.lighting.occlusionRadius > 0) return view.lighting.occlusionRadius;
-  float largest = 0;
-  for (const ParticleView& particles : view.particles)
-    if (!particles.positions.empty()) largest = std::max(largest, particles.radius);
-  if (largest > 0) return 6 * largest;
+static float occlusionRadius(const Frame& frame, const Aabb& casters) {
+  if (frame.view.lighting.occlusionRadius > 0) return frame.view.lighting.occlusionRadius;
+  if (frame.largestRadius > 0) return 6 * frame.largestRadius;
   constexpr float kPartOfScene = 0.04f;
   return casters.empty() ? 1.0f : kPartOfScene * length(casters.size());
 }
@@ -64,7 +63,7 @@ static float occlusionRadius(const View& view, const Aabb& casters) {
 ShadedOcclusion occlusionOf(const Frame& frame, const Aabb& casters) {
   constexpr float kLargestPart = 0.12f;
   const auto height = float(frame.height);
-  return {.radius = occlusionRadius(frame.view, casters),
+  return {.radius = occlusionRadius(frame, casters),
           .radiusInView = 0.5f * height / frame.camera.tangent.y,
           .largest = kLargestPart * height};
 }

@@ -26,7 +26,8 @@ struct Frame {
   int width = 0, height = 0;  ///< in samples
   Camera camera;
   bool hasShadows = false;
-  SunView sun;  ///< only with shadows
+  SunView sun;              ///< only with shadows
+  float largestRadius = 0;  ///< of all particles, m; 0 without any
 };
 
 constexpr int kMaxSamples = 4;  ///< per axis and pixel

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "framework/communication/thread_ranks.h"
 #include "tests/plugins/rendering/gl/like_pictures.h"
 
 namespace weir::rendering {
@@ -52,6 +53,28 @@ class ComputedPictures : public testing::TestWithParam<std::string> {
     ASSERT_TRUE(ComputeRenderer::canDraw(view));
     const Picture wanted = reference.draw(view), found = renderer.draw(view);
     expectLike(wanted, found, view.width * view.height / 2000);
+  }
+
+  /// Of the particles of each view, one rank has those behind another's.
+  Picture drawnByRanks(int count) {
+    Picture picture;
+    runOnThreads(count, [&](Communicator& ranks) {
+      const std::unique_ptr<Device> own = openDevice(GetParam());
+      ComputeRenderer drawing(*own);
+      View part = view;
+      for (ParticleView& particles : part.particles) {
+        const auto placeOf = [&, all = particles.positions.size()](int rank) {
+          return all * std::size_t(rank) / std::size_t(ranks.size());
+        };
+        const std::size_t first = placeOf(ranks.rank()), size = placeOf(ranks.rank() + 1) - first;
+        particles.positions = particles.positions.subspan(first, size);
+        if (!particles.values.empty()) particles.values = particles.values.subspan(first, size);
+      }
+      const SeenOfRanks seen = drawing.seenOf(part, ranks);
+      part.particles.clear();
+      if (ranks.rank() == 0) picture = drawing.draw(part, seen);
+    });
+    return picture;
   }
 
   std::vector<Vec3f> block, drops, edges;
@@ -111,6 +134,40 @@ TEST_P(ComputedPictures, LeaveOutParticlesThatAreNowhere) {
   block[0].x = std::numeric_limits<float>::quiet_NaN();
   block[1].y = std::numeric_limits<float>::infinity();
   expectSamePicture();
+}
+
+/// Also where spheres are equally near: each stands in the place of another one, of its own view, of another
+/// rank or of the other view, and has another colour.
+TEST_P(ComputedPictures, OfSeveralRanksHaveTheBitsOfOne) {
+  const std::vector<Vec3f> once = block;
+  block.insert(block.end(), once.begin(), once.end());
+  const std::vector<float> others(values.rbegin(), values.rend());
+  values.insert(values.end(), others.begin(), others.end());
+  drops.insert(drops.end(), once.begin(), once.begin() + 1000);
+  view.particles[0].positions = block;
+  view.particles[0].values = values;
+  view.particles[1].positions = drops;
+  view.particles[1].radius = view.particles[0].radius;
+  for (const bool white : {false, true}) {
+    view.particles[1].white = white;
+    const Picture wanted = renderer.draw(view);
+    for (const int ranks : {1, 2, 3, 5}) {
+      SCOPED_TRACE(ranks);
+      const Picture found = drawnByRanks(ranks);
+      EXPECT_EQ(found.width, wanted.width);
+      EXPECT_TRUE(found.rgb == wanted.rgb);
+    }
+  }
+}
+
+TEST_P(ComputedPictures, OfRanksThatHaveNothingAreThoseOfOne) {
+  view.particles[1].positions = {};
+  view.particles[0].positions = view.particles[0].positions.first(1);
+  view.particles[0].values = view.particles[0].values.first(1);
+  EXPECT_TRUE(drawnByRanks(3).rgb == renderer.draw(view).rgb);
+  view.particles[0].positions = {};
+  view.particles[0].values = {};
+  EXPECT_TRUE(drawnByRanks(2).rgb == renderer.draw(view).rgb);
 }
 
 TEST_P(ComputedPictures, LeaveSurfacesToOpenGl) {
