@@ -170,8 +170,8 @@ SeenOfRanks ComputeRenderer::seenOf(const View& view, Communicator& ranks) {
   seen.largestRadius = ranks.max(frame.largestRadius);
   splat(frame);
   ends_.assign(spheres_.opaqueEnds());
-  // In parts, so that no message is too large.
-  constexpr std::int64_t kAtOnce = std::int64_t{1} << 22;
+  // In parts, so that little is on its way.
+  constexpr std::int64_t kAtOnce = std::int64_t{1} << 20;
   for (std::int64_t first = 0; first < nearest_.size(); first += kAtOnce) {
     const std::vector<SeenSphere> part =
         nearestOfRanks(ranks, listed(first, std::min(kAtOnce, nearest_.size() - first)));
