@@ -116,15 +116,20 @@ void SceneView::addEnvironment(const RenderSettings& settings, View& view) {
   view.transparent = settings.transparent;
 }
 
+std::size_t SceneView::indexOfWater(const WaterView& water) {
+  const auto same = std::ranges::find(surfaceWaters_, water);
+  const auto index = static_cast<std::size_t>(same - surfaceWaters_.begin());
+  if (same == surfaceWaters_.end()) surfaceWaters_.push_back(water);
+  return index;
+}
+
 void SceneView::takeStill(const StillScene& still) {
-  for (const StillScene::Surface& surface : still.surfaces) {
+  for (const StillScene::Surface& surface : still.surfaces)
     surfaces_.push_back({.mesh = maker_.addMesh(surface.mesh),
                          .look = surface.look,
                          .color = surface.color,
-                         .water = surfaceWaters_.size(),
+                         .water = surface.water ? indexOfWater(*surface.water) : 0,
                          .node = surface.node});
-    if (surface.water) surfaceWaters_.push_back(*surface.water);
-  }
   for (std::size_t i = 0; i < still.surfaces.size(); ++i) {
     const bool isFollowed =
         still.surfaces[i].node == *camera_.follow || still.surfaces[i].from == *camera_.follow;

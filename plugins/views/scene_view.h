@@ -49,6 +49,9 @@ class SceneView {
   static void addEnvironment(const RenderSettings& settings, View& view);
 
  private:
+  /// Surfaces of the same water share one, which is drawn as a whole: pieces of a sea hide no light from each
+  /// other where they meet.
+  std::size_t indexOfWater(const WaterView& water);
   void takeStill(const StillScene& still);
   void addFluids(SceneSnapshot& snapshot, View& view);
   void addWater(const FluidSnapshot& fluid, View& view);

@@ -51,6 +51,8 @@ struct WaterView {
   float refractiveIndex = 1.33f;  ///< at least 1
   float smoothing = 0.03f;        ///< m: how far apart the particles may be that are smoothed together
   float foamOpacity = 30;         ///< 1/m of foam in the line of sight
+
+  friend bool operator==(const WaterView&, const WaterView&) = default;
 };
 
 /// Where a surface is: turned by `rotation`, then moved by `position`.

@@ -262,6 +262,20 @@ TEST_P(SceneViews, FollowTheMiddleAndSeeAllOfWhatTheyShow) {
             1e-6);
 }
 
+TEST_P(SceneViews, OfSurfacesOfTheSameWaterShareOne) {
+  auto still = std::make_shared<StillScene>(*snapshot.still);
+  for (const float scattering : {0.1f, 2.0f, 0.1f})
+    still->surfaces.push_back({.look = SurfaceLook::kWater, .water = WaterView{.scattering = scattering}});
+  snapshot.still = std::move(still);
+  snapshot.poses.resize(3);
+  snapshot.posesBefore.resize(3);
+  SceneView view(settings, *settings.camera, renderer);
+  const View seen = view.of(snapshot);
+  ASSERT_EQ(seen.waters.size(), 2U);
+  for (const std::size_t i : {0, 1, 2})
+    EXPECT_EQ(seen.waters[seen.surfaces[i].water].scattering, i == 1 ? 2.0f : 0.1f) << i;
+}
+
 TEST_P(SceneViews, WithArrows) {
   set(R"({"arrows": {"spacing": 0.5, "seconds": 0.2}})");
   capture(AttributeType::kFloat);
