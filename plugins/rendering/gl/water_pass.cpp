@@ -1,6 +1,8 @@
 #include "plugins/rendering/gl/water_pass.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "plugins/rendering/gl/sunlight.h"
@@ -20,6 +22,15 @@ float distanceOf(const View& view, const MeshStore& meshes, std::size_t water) {
     if (surface.look == SurfaceLook::kWater && surface.water == water)
       box.extend(placedBounds(meshes.bounds(surface.mesh), surface));
   return box.empty() ? 0 : length(box.center() - view.camera.eye);
+}
+
+/// m; of the finest particles of a liquid, 0 without any.
+float spacingOf(const View& view, std::size_t water) {
+  float spacing = std::numeric_limits<float>::infinity();
+  for (const ParticleView& particles : view.particles)
+    if (particles.water == water && particles.volume > 0)
+      spacing = std::min(spacing, std::cbrt(particles.volume));
+  return std::isfinite(spacing) ? spacing : 0;
 }
 
 std::vector<std::size_t> farthestFirst(const View& view, const MeshStore& meshes) {
@@ -60,7 +71,7 @@ void WaterPass::drawOne(const Frame& frame, const Targets& targets, const Parts&
   smoothing_.smoothThickness(frame, *water_, 0.5f * view.smoothing);
   drawBehind(water_->depth);
   resolveScene(frame, targets);
-  shade(frame, targets, parts, view);
+  shade(frame, targets, parts, water);
   compose(frame, targets);
 }
 
@@ -99,7 +110,8 @@ void WaterPass::resolveScene(const Frame& frame, const Targets& targets) const {
   resolve_.draw(water_->scene.target);
 }
 
-void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view) {
+void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water) {
+  const WaterView& view = frame.view.waters[water];
   const FullScreenProgram& program = shading_.with(sunlightDefines(frame));
   program.use();
   setCameraUniforms(program, frame.camera, targets.pictureWidth, targets.pictureHeight);
@@ -118,6 +130,7 @@ void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& p
   program.set("uScattering", view.scattering);
   program.set("uFoamOpacity", view.foamOpacity);
   program.set("uRefractiveIndex", view.refractiveIndex);
+  program.set("uSpacing", spacingOf(frame.view, water));
   program.draw(water_->shaded.target);
 }
 

@@ -39,7 +39,7 @@ class WaterPass {
   void drawMaps(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water) const;
   void drawBackground(const Frame& frame, const Targets& targets) const;
   void resolveScene(const Frame& frame, const Targets& targets) const;
-  void shade(const Frame& frame, const Targets& targets, const Parts& parts, const WaterView& view);
+  void shade(const Frame& frame, const Targets& targets, const Parts& parts, std::size_t water);
   void compose(const Frame& frame, const Targets& targets) const;
 
   const Functions& gl_;

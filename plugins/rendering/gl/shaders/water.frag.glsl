@@ -7,6 +7,7 @@ uniform int uSamples;
 uniform bool uUnlit;
 uniform vec3 uAbsorption, uScattered;
 uniform float uScattering, uFoamOpacity, uRefractiveIndex;
+uniform float uSpacing;  // m, of the particles
 out vec4 oLight;
 
 vec3 pointAt(ivec2 place, float nearness) { return rayAt(vec2(place) + 0.5) / abs(nearness); }
@@ -35,6 +36,13 @@ vec3 normalOf(ivec2 place, float nearness, vec3 here) {
   }
   vec3 normal = normalize(cross(slope(place, ivec2(1, 0), here), slope(place, ivec2(0, 1), here)));
   return dot(normal, here) > 0.0 ? -normal : normal;
+}
+
+// Where a liquid meets a wall, spheres stand out of its surface before the wall, and their rims would be a pale fringe of
+// scallops. A layer of particles reaches as far as their spacing from what it lies on; what reaches less far is such a
+// rim.
+float seenShare(float nearness, float gap) {
+  return nearness < 0.0 ? 1.0 : smoothstep(0.1, 1.0, gap / max(uSpacing, 1e-6));
 }
 
 float opaqueDistance(ivec2 place) { return distanceAt(texelFetch(uDepth, place, 0).r); }
@@ -76,5 +84,6 @@ void main() {
   if (uUnlit) color = behind * through, white = vec3(1.0);
   float clear = dot(through, vec3(1.0 / 3.0)) * (1.0 - mirror);
   float covered = 1.0 - (1.0 - scene.a) * clear;
-  oLight = vec4(mix(color, white, foam), mix(covered, 1.0, foam));
+  vec4 liquid = vec4(mix(color, white, foam), mix(covered, 1.0, foam));
+  oLight = mix(texture(uScene, window), liquid, seenShare(nearness, gap));
 }
