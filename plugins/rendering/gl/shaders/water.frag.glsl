@@ -71,18 +71,22 @@ void main() {
 
   vec3 extinction = uAbsorption + uScattering;
   vec3 through = exp(-extinction * way);
+  float seenThrough = dot(through, vec3(1.0 / 3.0));
   vec3 sun = sunlightOfPixel(position, normal);
   vec3 inside = skyLight(uUp) + 0.6 * uSunColor * sun;
   vec3 scattered = uScattered * uScattering / max(extinction, 1e-6) * (1.0 - through) * inside;
   vec3 refracted = behind * through + scattered;
   float straight = (uRefractiveIndex - 1.0) / (uRefractiveIndex + 1.0);
   float mirror = fresnel(dot(normal, towardsEye), straight * straight);
-  vec3 mirrored = environment(reflect(-towardsEye, normal));
+  vec3 away = reflect(-towardsEye, normal);
+  // Below the horizon a deep liquid mirrors more of itself, and not the ground that the surroundings have there.
+  float ofItself = smoothstep(0.0, 0.22, -dot(away, uUp)) * (1.0 - seenThrough);
+  vec3 mirrored = mix(environment(away), refracted, ofItself);
   vec3 color = mix(refracted, mirrored, mirror) + 0.03 * uSunColor * sun * highlight(normal, towardsEye, 400.0);
   float foam = 1.0 - exp(-uFoamOpacity * thickness.y);
   vec3 white = 0.93 * (skyLight(normal) + uSunColor * sun * max(dot(normal, uSun), 0.0));
   if (uUnlit) color = behind * through, white = vec3(1.0);
-  float clear = dot(through, vec3(1.0 / 3.0)) * (1.0 - mirror);
+  float clear = seenThrough * (1.0 - mirror);
   float covered = 1.0 - (1.0 - scene.a) * clear;
   vec4 liquid = vec4(mix(color, white, foam), mix(covered, 1.0, foam));
   oLight = mix(texture(uScene, window), liquid, seenShare(nearness, gap));
