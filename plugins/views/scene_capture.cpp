@@ -213,7 +213,8 @@ void SceneCapture::captureFluids(const Simulation& simulation, SceneSnapshot& sn
     const std::int64_t count = particles.refreshCount();
     snapshot.particles += count;
     if (!showsParticles(*output)) continue;
-    if (i == snapshot.fluids.size()) snapshot.fluids.emplace_back(simulation.device());
+    if (i == snapshot.fluids.size())
+      snapshot.fluids.emplace_back(simulation.device(), needs_.ranks != nullptr);
     FluidSnapshot& to = snapshot.fluids[i++];
     if (isClosedWater(node)) {
       captureSpray(node, **output, to);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "framework/communication/communicator.h"
-#include "framework/compute/frame_copy.h"
 #include "framework/geometry/dynamic_mesh_copy.h"
 #include "framework/geometry/shapes.h"
 #include "framework/particles/particle_set.h"
@@ -18,6 +17,7 @@
 #include "framework/run/observer.h"
 #include "framework/solids/motion_of.h"
 #include "nodes/fluid_surface/fluid_mesher.h"
+#include "plugins/views/frame_elements.h"
 #include "plugins/views/render_settings.h"
 #include "plugins/views/view.h"
 
@@ -43,12 +43,15 @@ struct StillScene {
 /// The particles of one fluid, for the device that draws. Of the attributes' types that may colour them, or
 /// whiten them, one is used at most.
 struct FluidSnapshot {
-  explicit FluidSnapshot(Device& device)
-      : positions(device), velocities(device), byType(AttributeTypes::makeTuple<FrameCopy>(device)) {}
+  /// `lent`: see FrameElements.
+  explicit FluidSnapshot(Device& device, bool lent = false)
+      : positions(device, lent),
+        velocities(device, lent),
+        byType(AttributeTypes::makeTuple<FrameElements>(device, lent)) {}
 
   template <class T>
-  FrameCopy<T>& numbers() {
-    return std::get<FrameCopy<T>>(byType);
+  FrameElements<T>& numbers() {
+    return std::get<FrameElements<T>>(byType);
   }
 
   std::string node;                     ///< that puts the fluid out
@@ -58,9 +61,9 @@ struct FluidSnapshot {
   bool kinds = false;  ///< whether numbers<int>() are those (WhiteKind)
   /// Of the numbers that colour the particles, or are radii; none if they have one colour and radius.
   std::optional<AttributeType> colorType;
-  FrameCopy<Vec3f> positions;
-  FrameCopy<Vec3f> velocities;  ///< if there are arrows
-  AttributeTypes::TupleOf<FrameCopy> byType;
+  FrameElements<Vec3f> positions;
+  FrameElements<Vec3f> velocities;  ///< if there are arrows
+  AttributeTypes::TupleOf<FrameElements> byType;
 };
 
 /// Whether the particles of a node are drawn as white spheres.
@@ -105,6 +108,7 @@ struct CaptureNeeds {
   /// water.
   bool closedWater = false;
   /// Of several ranks: each captures what it owns, of nodes that are OwnedParticles, with the number of all.
+  /// It is lent, as ranks look at it together before the simulation goes on.
   Communicator* ranks = nullptr;
 };
 

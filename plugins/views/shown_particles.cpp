@@ -61,7 +61,7 @@ void ShownParticles::load(FluidSnapshot& fluid, const std::optional<Vec2f>& foam
 }
 
 void ShownParticles::loadRadii(FluidSnapshot& fluid) {
-  const auto on = [&]<class T>(FrameCopy<T>& numbers) {
+  const auto on = [&]<class T>(FrameElements<T>& numbers) {
     return numbers.on(device_, std::get<Array<T>>(numberRooms_));
   };
   dispatch(device_, [&](auto& device) {
