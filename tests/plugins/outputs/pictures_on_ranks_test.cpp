@@ -1,10 +1,11 @@
 // `weir run --ranks N --images`: the pictures of one rank, for which nothing is gathered if they show spheres
 // alone.
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 
 #include "tests/plugins/outputs/ranks_run.h"
-#include "tests/support/expect_error.h"
+#include "tests/support/devices.h"
 
 namespace weir::test {
 namespace {
@@ -48,13 +49,15 @@ constexpr const char* kTwoFluids = R"({
 
 class PicturesOnRanks : public RanksTest {
  protected:
+  std::string where_ = "cpu";
+
   std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more) const {
     fs::create_directory(folder_ / name);
     std::vector<std::string> all{"run",
                                  scene_,
                                  "--quiet",
                                  "--device",
-                                 "cpu",
+                                 where_,
                                  "--threads",
                                  "1",
                                  "--images",
@@ -105,6 +108,20 @@ class PicturesOnRanks : public RanksTest {
 };
 
 TEST_F(PicturesOnRanks, AreThoseOfOneRankOfADamBreakInATank) {
+  scene_ = folder_.write("scene.json", kDam);
+  expectSamePicturesUngathered();
+}
+
+class GpuPicturesOnRanks : public PicturesOnRanks {
+ protected:
+  void SetUp() override {
+    const std::vector<std::string>& devices = availableDevices();
+    if (std::find(devices.begin(), devices.end(), "cuda") == devices.end()) GTEST_SKIP() << "there is no GPU";
+    where_ = "cuda";
+  }
+};
+
+TEST_F(GpuPicturesOnRanks, AreThoseOfOneRankOfADamBreakInATank) {
   scene_ = folder_.write("scene.json", kDam);
   expectSamePicturesUngathered();
 }
