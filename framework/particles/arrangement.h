@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "framework/base/api.h"
@@ -28,8 +29,9 @@ bool isRelaxed(const std::optional<Arrangement>& told, const ParticleBatch::Requ
 inline constexpr int kTileSide = 12;
 
 /// The tile of sources: small and quickly made, as more of either changes nothing that can be seen in a
-/// block. `height`: particles along y.
-RelaxedTile tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed, const Device& device,
-                         int height = kTileSide);
+/// block. `height`: particles along y. The last ones that the process made are kept, so that ranks and
+/// runs that start anew do not make them again.
+std::shared_ptr<const RelaxedTile> tileOfSource(const ParticleBatch::Request& request, std::uint64_t seed,
+                                                const Device& device, int height = kTileSide);
 
 }  // namespace weir

@@ -9,14 +9,14 @@ Emitter::Layer NozzleEmitter::layersOf(const SetupContext& context, const std::v
   layer.points = nodes;
   if (isRelaxed(arrangement, request())) {
     const float spacing = request().spacing;
-    const RelaxedTile tile = tileOfSource(request(), seedFor(context), context.device, kTileHeight);
+    const auto tile = tileOfSource(request(), seedFor(context), context.device, kTileHeight);
     // Nodes are at whole multiples of the spacing or halfway between them.
     const auto index = [spacing](float x) { return std::llround(std::floor(x / spacing + 0.25f)); };
-    layer.layers = tile.height();
+    layer.layers = tile->height();
     layer.points.clear();
-    for (int k = 0; k < tile.height(); ++k)  // against the flow, which is along -y
+    for (int k = 0; k < tile->height(); ++k)  // against the flow, which is along -y
       for (const Vec3f& node : nodes)
-        layer.points.push_back(node + spacing * tile.displacement(index(node.x), k, index(node.z)));
+        layer.points.push_back(node + spacing * tile->displacement(index(node.x), k, index(node.z)));
   }
   layer.directions.assign(layer.points.size(), Vec3f{0, -1, 0});
   return layer;

@@ -94,11 +94,10 @@ void Sampler::fill(const SetupContext& context, const std::vector<Lattice>& latt
   const auto* cpu = dynamic_cast<const CpuDevice*>(&context.device);
   const int threads = cpu ? cpu->threads() : 0;
   const std::uint64_t number = randomSeed(*this, context, seed);
-  std::optional<RelaxedTile> tile;
   Displacement displacement;
   if (relaxed()) {
-    tile.emplace(tileOfSource(*particles.requested(), number, context.device));
-    displacement = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    displacement = [tile = tileOfSource(*particles.requested(), number, context.device)](
+                       std::int64_t x, std::int64_t y, std::int64_t z) {
       return tile->displacement(x, y, z);
     };
   }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "framework/compute/cpu_threads.h"
+#include "framework/compute/device.h"
+#include "framework/particles/arrangement.h"
 
 namespace weir::test {
 namespace {
@@ -72,6 +74,16 @@ TEST(RelaxedTile, GoesOnForEverAndDependsOnTheSeedAlone) {
   EXPECT_EQ(a.displacement(1, 2, 3), b.displacement(1, 2, 3));
   EXPECT_EQ(a.displacement(1, 2, 3), a.displacement(1 - kSide, 2 + 5 * kSide, 3 - 2 * kSide));
   EXPECT_FALSE(a.displacement(1, 2, 3) == c.displacement(1, 2, 3));
+}
+
+TEST(TileOfSource, IsMadeOnceForAllThatAskForTheSame) {
+  CpuDevice device(1);
+  const ParticleBatch::Request request{.spacing = 0.1f, .supportRatio = 1.5f, .disordered = true};
+  const auto tile = tileOfSource(request, 3, device), higher = tileOfSource(request, 3, device, 16);
+  EXPECT_EQ(tile, tileOfSource(request, 3, device));
+  EXPECT_NE(tile, tileOfSource(request, 4, device));
+  EXPECT_NE(tile, higher);
+  EXPECT_EQ(higher->height(), 16);
 }
 
 }  // namespace

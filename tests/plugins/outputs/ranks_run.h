@@ -44,6 +44,7 @@ class RanksTest : public testing::Test {
                                        to + "/series.jsonl",
                                        "--export",
                                        to + "/export.vtkhdf"};
+    arguments.insert(arguments.end(), rest_.begin(), rest_.end());
     for (const std::string& change : changes) arguments.insert(arguments.end(), {"--set", change});
     arguments.insert(arguments.end(), more.begin(), more.end());
     arguments.insert(arguments.end(), device_.begin(), device_.end());
@@ -80,7 +81,7 @@ class RanksTest : public testing::Test {
   }
 
   void expectSameForAnyNumber(const std::vector<std::string>& changes,
-                              const std::vector<std::string>& numbers = {"2", "3", "4", "8"}) const {
+                              const std::vector<std::string>& numbers = {"2", "4"}) const {
     const Outcome one = run("1", changes, {"--ranks", "1"});
     ASSERT_EQ(one.result.code, 0) << one.result.err;
     ASSERT_GE(one.files.size(), 10u);
@@ -112,6 +113,9 @@ class RanksTest : public testing::Test {
   TemporaryFolder folder_;
   std::string scene_, duration_ = "0.3";  // s
   std::vector<std::string> device_;       // how to ask for another than the CPU
+  // Free blocks would not come to rest in 3,000 steps, which are many times what comes after. Tests of where
+  // water comes to rest have their own numbers.
+  std::vector<std::string> rest_{"--set", "water.rest_steps=20"};
 };
 
 inline constexpr const char* kCoarse = "water.spacing=0.05";

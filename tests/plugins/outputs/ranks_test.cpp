@@ -33,10 +33,11 @@ std::string pluginOfTracers() {
 }
 
 constexpr const char* kFewIterations = "water.solver.type=SemiImplicitSolver";
-const std::vector<std::string> kFew{"2", "3", "4"};
+const std::vector<std::string> kFew{"2", "4"};
 
 TEST_F(RanksTest, ADamBreakIsTheSameForAnyNumberOfRanks) {
-  expectSameForAnyNumber({kCoarse});
+  rest_.clear();
+  expectSameForAnyNumber({kCoarse}, {"2", "3", "8"});
 }
 
 TEST_F(RanksTest, SoIsOneWithVaryingStepsFrictionAndImplicitViscosity) {
@@ -240,7 +241,7 @@ TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
     "nodes": {
       "drop": { "type": "SphereSampler", "params": { "center": [0, 0.3, 0], "radius": 0.2, "velocity": [1, 0, 0] } },
       "floor": { "type": "StaticBoundary", "params": { "shape": "plane" } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.04, "rest_steps": 20 },
                  "modules": { "tension": { "type": "SurfaceTension", "after": "viscosity",
                                            "params": { "coefficient": 0.1, "air_pressure": 1 } },
                               "eddies": { "type": "VorticityConfinement", "after": "viscosity" },
@@ -248,7 +249,7 @@ TEST_F(RanksTest, SoIsOneWithSurfaceTensionEddiesAndDrag) {
     },
     "links": ["drop.particles -> water.initial", "floor.boundary -> water.boundaries"]
   })");
-  for (const std::string ranks : {"1", "2", "3", "8"}) {
+  for (const std::string ranks : {"1", "2", "4"}) {
     const ChildResult result =
         runWeir({"run", scene, "--quiet", "--ranks", ranks, "--export", folder_ / (ranks + ".vtkhdf")});
     ASSERT_EQ(result.code, 0) << result.err;
@@ -262,7 +263,7 @@ TEST_F(RanksTest, SoIsADropUnderItsTension) {
     "world": { "gravity": [0, 0, 0], "dt": 0.002, "frame_rate": 30, "duration": 0.3 },
     "nodes": {
       "drop": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.5, 0.25, 0.25] } },
-      "water": { "type": "ParticleFluid", "params": { "spacing": 0.03 },
+      "water": { "type": "ParticleFluid", "params": { "spacing": 0.03, "rest_steps": 20 },
                  "modules": { "tension": { "type": "CapillaryForce", "after": "viscosity",
                                            "params": { "tension": 10, "air_pressure": 1 } } } }
     },
@@ -292,7 +293,7 @@ TEST_F(RanksTest, SoIsAJetIntoATankWithAHole) {
   const Value one = nodesOf("1");
   EXPECT_GT(one.find("hole")->find("particles_removed")->asInt(), 0);
   EXPECT_GT(one.find("water")->find("particles")->asInt(), 500);
-  for (const std::string ranks : {"2", "3", "4", "8"}) {
+  for (const std::string ranks : {"2", "4"}) {
     EXPECT_EQ(writeJson(nodesOf(ranks)), writeJson(one)) << ranks << " ranks";
     expectSameExports(folder_ / "1.vtkhdf", folder_ / (ranks + ".vtkhdf"));
   }
@@ -320,6 +321,7 @@ TEST_F(RanksTest, ProcessesOfMpiWriteTheSameAsThreads) {
 TEST_F(RanksTest, WhatProcessesOfMpiCannotDoIsSaidOnceByTheFirst) {
   if (!hasMpi()) GTEST_SKIP() << "there is no MPI, or it was not there when this was built";
   scene_ = folder_.write("tracers.json", kTracers);
+  rest_.clear();
   const Outcome refused = run("refused", {}, {"--plugin", pluginOfTracers()}, 3);
   EXPECT_EQ(refused.result.code, 3);
   const std::string words = "a VortexTracers cannot run on several ranks yet";
@@ -352,6 +354,7 @@ TEST_F(RanksTest, WhatCannotRunOnThemIsRefusedWithWhatToDo) {
     return refused.result.err;
   };
   scene_ = folder_.write("tracers.json", kTracers);
+  rest_.clear();
   const std::string tracers = errorOf({}, {"--plugin", pluginOfTracers()});
   EXPECT_CONTAINS(tracers, "node 'points'");
   EXPECT_CONTAINS(tracers, "a VortexTracers cannot run on several ranks yet");

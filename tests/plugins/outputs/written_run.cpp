@@ -15,7 +15,7 @@ const char* const kStateful = R"({"weir": 1,
   "nodes": {
     "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.3, 0.1, 0.3], "jitter": 0.1}},
     "nozzle": {"type": "CircleEmitter",
-               "params": {"position": [0.1, 0.3, 0.1], "radius": 0.05, "jitter": 0.2,
+               "params": {"position": [0.1, 0.3, 0.1], "radius": 0.05, "jitter": 0.2, "arrangement": "lattice",
                           "speed": {"keyframes": [[0, 0.5], [0.4, 1.5]]}}},
     "drain": {"type": "Sink", "params": {"min": [0.25, -1, 0.25], "max": [0.4, 0.02, 0.4]}},
     "room": {"type": "BoxMesh", "params": {"min": [0, 0, 0], "max": [0.3, 0.5, 0.3]}},
