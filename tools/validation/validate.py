@@ -14,6 +14,7 @@ from typing import Callable
 
 from lab import ROOT, Lab, Outcome, Row
 import at_rest
+import confined
 import floating
 import in_motion
 import kept
@@ -54,6 +55,8 @@ CHECKS = [
     Check("dam_front", "The front of a dam break", in_motion.dam_front),
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("small_wave", "A small wave", waves.small_wave),
+    Check("u_tube", "Water in a U", confined.u_tube, long=True),
+    Check("cavity", "A lid-driven cavity", confined.cavity, long=True),
     Check("drop", "A drop", in_motion.drop),
     Check("laplace", "Pressure in drops", surfaces.laplace),
     Check("swinging_drop", "A drop that swings", surfaces.swinging_drop),

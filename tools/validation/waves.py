@@ -1,33 +1,51 @@
-"""A check of small waves, which water of potential flow makes."""
+"""A check of small waves, by potential flow."""
 
 import json
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 from lab import GRAVITY, SCENES, Chart, Outcome, Row, exported
 
 LENGTH, DEPTH = 1.0, 0.4  # m, of the tank
-NUMBER = math.pi / LENGTH  # of the first mode, 1/m
-PERIOD = 2 * math.pi / math.sqrt(GRAVITY * NUMBER * math.tanh(NUMBER * DEPTH))
-HIGHEST = 1.5  # spacings, of the wave
 
 
-def mode(positions):
-    """Velocities of the mode whose surface moves by 1 m/s, as an array of shape (n, 3)."""
+@dataclass(frozen=True)
+class Wave:
+    """A standing wave of that many halves of a length, and how high it gets, in spacings of its fluid (m)."""
+
+    spacing: float
+    halves: int = 1
+    height: float = 1.5
+
+    @property
+    def number(self):
+        return self.halves * math.pi / LENGTH  # 1/m
+
+    @property
+    def period(self):
+        """Of potential flow, s."""
+        return 2 * math.pi / math.sqrt(GRAVITY * self.number * math.tanh(self.number * DEPTH))
+
+    def mode(self, positions):
+        """Velocities where the surface moves by 1 m/s, as an array of shape (n, 3)."""
+        import numpy
+        along, up = self.number * positions[:, 0], self.number * positions[:, 1]
+        return numpy.stack([-numpy.sin(along) * numpy.cosh(up), numpy.cos(along) * numpy.sinh(up), 0 * up],
+                           axis=1) / math.sinh(self.number * DEPTH)
+
+    def name(self, solver):
+        return f"{solver}_{self.spacing}_{self.halves}_{self.height}"
+
+
+def with_wave(lab, wave, rest, name):
+    """The path of the scene, without its ending, whose water has come to rest in a run and then gets the velocities of the
+    mode."""
     import numpy
-    along, up = NUMBER * positions[:, 0], NUMBER * positions[:, 1]
-    return numpy.stack([-numpy.sin(along) * numpy.cosh(up), numpy.cos(along) * numpy.sinh(up), 0 * up],
-                       axis=1) / math.sinh(NUMBER * DEPTH)
-
-
-def with_wave(lab, spacing, name, settings):
-    """The path of the scene, without its ending, whose water has come to rest and then got the velocities of the mode."""
-    import numpy
-    rest = lab.run(f"small_wave/rest_{name}", "validation/small_wave", settings, export=True, frames=0)
     start = exported(rest.folder, 0).positions
     stem = lab.out.resolve() / f"wave_{name}"
-    speed = HIGHEST * spacing * 2 * math.pi / PERIOD
-    numpy.savetxt(f"{stem}.csv", numpy.hstack([start, speed * mode(start)]), delimiter=",", comments="",
+    speed = wave.height * wave.spacing * 2 * math.pi / wave.period
+    numpy.savetxt(f"{stem}.csv", numpy.hstack([start, speed * wave.mode(start)]), delimiter=",", comments="",
                   header="x,y,z,vx,vy,vz")
     scene = json.loads((SCENES / "validation" / "small_wave.json").read_text(encoding="utf-8"))
     scene["nodes"]["fill"] = {"type": "ParticleFile", "params": {"file": f"{stem}.csv"}}
@@ -35,12 +53,12 @@ def with_wave(lab, spacing, name, settings):
     return str(stem)
 
 
-def amplitudes(result):
+def amplitudes(wave, result):
     """Of the mode at each frame, m/s."""
     found = []
     for k in range(len(result.series)):
         at = exported(result.folder, k)
-        shape = mode(at.positions)
+        shape = wave.mode(at.positions)
         found.append(float((at.velocities * shape).sum() / (shape * shape).sum()))
     return found
 
@@ -54,18 +72,34 @@ def period_of(times, values):
 
 
 def small_wave(lab):
-    """The first mode of a tank 1 m long and 40 cm deep, 1.5 spacings high, without viscosity. Closed form: ω² =
-    g·k·tanh(k·h), and no loss. TwoProjections is held to it, the default solver stands beside."""
-    spacing = lab.scale(0.025, 0.01)
-    rows, curves = [], [("closed form", [PERIOD * k / 100 for k in range(131)],
+    """Standing waves without viscosity in a tank 1 m long and 40 cm deep: the first mode, 1.5 spacings high, of coarser fluid, and
+    half and twice as high; and the second mode. Closed form: ω² = g·k·tanh(k·h), and no loss. TwoProjections is held to it, the
+    default solver stands beside."""
+    fine = lab.scale(0.025, 0.01)
+    main = Wave(fine)
+    cases = [("", main, "TwoProjections", 0.005), ("", main, "AcceleratedSolver", None),
+             (", 20 spacings long", Wave(LENGTH / 20), "TwoProjections", 0.02),
+             (", 0.75 spacings high", Wave(fine, height=0.75), "TwoProjections", 0.01),
+             (", 3 spacings high", Wave(fine, height=3), "TwoProjections", 0.01),
+             (" of the second mode", Wave(fine, halves=2), "TwoProjections", 0.01)]
+
+    def settings_of(wave, solver):
+        return {"let.spacing": str(wave.spacing), "water.solver.type": solver}
+
+    rests = {(wave.spacing, solver): lab.run(f"small_wave/rest_{solver}_{wave.spacing}", "validation/small_wave",
+                                             settings_of(wave, solver), export=True, frames=0)
+             for _, wave, solver, _ in cases}
+    runs = [lab.run(f"small_wave/{wave.name(solver)}",
+                    with_wave(lab, wave, rests[wave.spacing, solver], wave.name(solver)), settings_of(wave, solver), export=True)
+            for _, wave, solver, _ in cases]
+    rows, curves = [], [("closed form", [main.period * k / 100 for k in range(131)],
                          [math.cos(2 * math.pi * k / 100) for k in range(131)], "k-")]
-    for solver, held in (("TwoProjections", True), ("AcceleratedSolver", False)):
-        settings = {"let.spacing": str(spacing), "water.solver.type": solver}
-        result = lab.run(f"small_wave/{solver}", with_wave(lab, spacing, solver, settings), settings, export=True)
-        times, values = [frame["time"] for frame in result.series], amplitudes(result)
-        later = [abs(v) for t, v in zip(times, values) if t > 0.75 * PERIOD]
-        rows += [Row(f"period, {solver}", period_of(times, values), "s", PERIOD, 0.005 if held else None),
-                 Row(f"share of the amplitude that a period takes, {solver}", 1 - max(later) / values[0],
-                     below=0.03 if held else None)]
-        curves.append((solver, times, [v / values[0] for v in values], "--"))
+    for (what, wave, solver, within), run in zip(cases, runs):
+        times, values = [frame["time"] for frame in run.series], amplitudes(wave, run)
+        later = [abs(v) for t, v in zip(times, values) if 0.75 * wave.period < t < 1.25 * wave.period]
+        rows += [Row(f"period{what}, {solver}", period_of(times, values), "s", wave.period, within),
+                 Row(f"share of the amplitude that a period takes{what}, {solver}", 1 - max(later) / values[0],
+                     below=0.03 if wave is main and within else None)]
+        if wave is main:
+            curves.append((solver, times, [v / values[0] for v in values], "--"))
     return Outcome(rows, (Chart("A small wave", "time (s)", "amplitude", tuple(curves)),))

@@ -64,6 +64,7 @@ class RanksTest : public testing::Test {
         "run", scene_,         "--quiet",  "--duration",         duration_, "--set", change, "--frames",
         "5",   "--checkpoint", checkpoint, "--checkpoint-every", "4"};
     arguments.insert(arguments.end(), where.begin(), where.end());
+    arguments.insert(arguments.end(), rest_.begin(), rest_.end());
     return runWeir(arguments);
   }
 

@@ -68,6 +68,7 @@ constexpr const char* kThrown = R"({
 })";
 
 TEST_F(RanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
+  rest_.clear();
   scene_ = folder_.write("thrown.json", kThrown);
   expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
   const Value statistics = parseJson(readFile(folder_ / "4/stats.json"), "stats.json");
@@ -77,11 +78,13 @@ TEST_F(RanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
 }
 
 TEST_F(RanksTest, SoIsOneWithMomentumAndALengthOfStepsOfAllParticlesTogether) {
+  rest_.clear();
   scene_ = folder_.write("thrown.json", kThrown);
   expectSameForAnyNumber({"water.solver.acceleration=nesterov", "water.solver.step_length=global"}, kFew);
 }
 
 TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
+  rest_.clear();
   scene_ = folder_.write(
       "thrown.json",
       std::regex_replace(kThrown, std::regex("\"AcceleratedSolver\".*\\} \\} \\} \\}"), "\"Pbf\" } } }"));
@@ -89,6 +92,7 @@ TEST_F(RanksTest, SoIsOneOfPositionBasedFluid) {
 }
 
 TEST_F(RanksTest, SoIsOneByTwoProjections) {
+  rest_.clear();
   scene_ = folder_.write(
       "thrown.json",
       std::regex_replace(kThrown,
@@ -381,6 +385,7 @@ TEST_F(GpuRanksTest, SoIsOneOfMoreThan32768ParticlesOnEachRank) {
 }
 
 TEST_F(GpuRanksTest, SoIsOneThatIsSolvedToAToleranceByConjugateGradientsInStages) {
+  rest_.clear();
   scene_ = folder_.write("thrown.json", kThrown);
   expectSameForAnyNumber({"water.solver.record_objective=true"}, kFew);
 }
