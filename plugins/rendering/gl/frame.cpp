@@ -96,6 +96,13 @@ Eigen::Matrix4f toShadowMap(const Frame& frame) {
   return frame.sun.toTexture() * frame.camera.view.inverse();
 }
 
+Eigen::Matrix3f slopeToShadowMap(const Frame& frame) {
+  const SunView& sun = frame.sun;
+  Eigen::Matrix3f turn = sun.view.topLeftCorner<3, 3>() * frame.camera.rotation().transpose();
+  turn.topRows<2>() *= 2 * sun.halfSize / (sun.zNearest - sun.zFarthest);
+  return turn;
+}
+
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height) {
   program.set("uProjection", camera.projectionTerms());
   program.set("uTangent", camera.tangent);

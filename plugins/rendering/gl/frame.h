@@ -38,6 +38,9 @@ ShadedLight lightOf(const Frame& frame);
 ShadedOcclusion occlusionOf(const Frame& frame, const Aabb& casters);
 /// From camera space to the shadow map.
 Eigen::Matrix4f toShadowMap(const Frame& frame);
+/// Turns a normal from camera space to (x, y, z) such that depths in the shadow map of a plane with that
+/// normal grow by (x, y) / z along the map; z is the cosine of its angle to the sun.
+Eigen::Matrix3f slopeToShadowMap(const Frame& frame);
 
 /// The uniforms of camera.glsl, for a picture of this many pixels.
 void setCameraUniforms(const Program& program, const Camera& camera, int width, int height);

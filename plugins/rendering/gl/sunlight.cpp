@@ -26,6 +26,7 @@ void setSunlightUniforms(const Program& program, const Frame& frame, const Shado
   if (!frame.hasShadows) return;
   const ShadedLight light = lightOf(frame);
   program.setMatrix4("uToSun", toShadowMap(frame).data());
+  program.setMatrix3("uSlopeToSun", slopeToShadowMap(frame).data());
   program.set("uShadowTexel", light.shadowTexel);
   program.set("uSoftness", light.softness);
 }

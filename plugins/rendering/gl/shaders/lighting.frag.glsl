@@ -42,6 +42,7 @@ void main() {
   vec3 position = ray * distanceAt(depth);
   bool nothing = depth >= 1.0, ground = isMaterial(surface.a, kGround);
   bool particle = isMaterial(surface.a, kParticle), white = isMaterial(surface.a, kWhite);
+  bool mesh = !(nothing || ground || particle || white);
 
   // Much of a picture is nothing but background, and little of the ground fades into it.
   float faded = nothing ? 1.0 : ground ? fadeOfGround(length(position - uGroundMiddle), uGroundRadius) : 0.0;
@@ -66,7 +67,7 @@ void main() {
   float open = textureLod(uOcclusion, window, 0.0).r;
   float facing = dot(normal, uSun);
   vec3 sun = vec3(0.0);
-  if (facing >= 0.0 || white) sun = sunlight(position, normal, particle ? 0.5 : 1.0, true);
+  if (facing >= 0.0 || white) sun = sunlight(position, normal, float(mesh), particle ? 0.5 : 1.0, true);
   vec3 sunColor = uSunColor * sun;
   vec3 diffuse = diffuseLight(skyLight(normal), open, sunColor, 1.0, max(facing, 0.0));
   if (white) diffuse = frothLight(skyLight(uUp), sunColor, 1.0);

@@ -76,6 +76,18 @@ TEST_F(RendererTest, ShadowFallsOnParticles) {
   EXPECT_LT(pixelAt(renderer.draw(view), x, y).sum(), 0.85 * lit);
 }
 
+TEST_F(RendererTest, WallsThatTheSunGrazesDoNotShadeThemselves) {
+  // 16 degrees, and texels of 0.15 m.
+  View view = plainView();
+  view.lighting.unlit = view.lighting.occlusion = false;
+  view.lighting.towardsSun = {0.6f, 0.6f, 0.25f};
+  const MeshId wall = renderer.addMesh(quad({-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}));
+  view.surfaces = {{.mesh = wall}};
+  const Picture shaded = renderer.draw(view);
+  view.lighting.shadows = false;
+  EXPECT_LE(largestDifference(shaded, renderer.draw(view)), 1);
+}
+
 TEST_F(RendererTest, CornersAreDarkerThanOpenGround) {
   ShadowScene scene;
   scene.positions[0] = {0, 0.4f, 0};
