@@ -247,6 +247,8 @@ void SceneView::addFluidSurfaces(SceneSnapshot& snapshot, View& view) {
   }
 }
 
+constexpr float kMixed = 1.5f;  // spacings over which colours of surfaces are mixed
+
 void SceneView::findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, ShownParticles& shown,
                            SurfaceFields& fields) const {
   ParticleView particles;
@@ -259,7 +261,9 @@ void SceneView::findFields(const FluidSnapshot& fluid, const MeshSpan& mesh, Sho
   colors.reserve(particles.values.size());
   for (const float value : particles.values)
     colors.push_back(map_.at((value - key_.low) / (key_.high - key_.low)));
-  fields.colors = meansAt(mesh.vertices, near, colors);
+  // The nearest particles outweigh all others, so that where colours meet, each particle would be seen as a
+  // grain.
+  fields.colors = mixedAlong(mesh, meansAt(mesh.vertices, near, colors), kMixed * fluid.spacing);
 }
 
 void SceneView::addFoam(SceneSnapshot& snapshot, View& view) {

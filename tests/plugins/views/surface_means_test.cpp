@@ -10,6 +10,7 @@ namespace weir::test {
 namespace {
 
 using rendering::meansAt;
+using rendering::mixedAlong;
 using rendering::NearParticles;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -52,6 +53,33 @@ TEST(SurfaceMeans, AreNoneWithoutParticles) {
   const std::vector<Vec3f> one{{1, 2, 3}};
   EXPECT_EQ(length(meansAt(one, NearParticles({}, 0.1f), {}).front()), 0);
   EXPECT_TRUE(meansAt({}, NearParticles(one, 0.1f), one).empty());
+}
+
+TEST(SurfaceMeans, MixLikeHeatAlongTheSurface) {
+  constexpr int kHalf = 30, kSide = 2 * kHalf + 1;
+  std::vector<Vec3f> vertices, vectors(std::size_t(kSide * kSide));
+  std::vector<Vec3i> triangles;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      vertices.push_back({0.1f * float(x - kHalf), 0, 0.1f * float(y - kHalf)});
+      if (x + 1 == kSide || y + 1 == kSide) continue;
+      const int corner = kSide * y + x;
+      triangles.push_back({corner, corner + kSide, corner + 1});
+      triangles.push_back({corner + 1, corner + kSide, corner + kSide + 1});
+    }
+  const MeshSpan mesh{vertices, {}, triangles};
+  vectors[std::size_t(kSide * kHalf + kHalf)] = {1, 0, 2};
+  Vec3f sum;
+  float spread = 0;
+  const std::vector<Vec3f> mixed = mixedAlong(mesh, vectors, 0.2f);
+  for (std::size_t i = 0; i < mixed.size(); ++i) {
+    sum += mixed[i];
+    spread += mixed[i].x * dot(vertices[i], vertices[i]);
+  }
+  EXPECT_LT(length(sum - Vec3f{1, 0, 2}), 1e-5f);
+  EXPECT_NEAR(std::sqrt(spread / 2), 0.2f, 0.005f);
+  EXPECT_EQ(mixedAlong(mesh, vectors, 0), vectors);
+  EXPECT_TRUE(mixedAlong({}, {}, 1).empty());
 }
 
 }  // namespace
