@@ -120,6 +120,8 @@ void WaterPass::shade(const Frame& frame, const Targets& targets, const Parts& p
   program.setTexture("uNormal", water_->normal);
   program.setTexture("uThickness", water_->thickness[0].texture);
   program.setTexture("uScene", water_->scene.texture);
+  program.setTexture("uLight", targets.light.texture);
+  program.setTexture("uAlbedo", targets.albedo);
   program.setTexture("uDepth", targets.depth);
   setSunlightUniforms(program, frame, parts.shadows, &parts.waterShadows);
   parts.environment.setUniforms(program, frame);

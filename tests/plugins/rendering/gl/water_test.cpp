@@ -95,6 +95,31 @@ TEST_P(Water, EndsWhereSomethingOpaqueStands) {
   EXPECT_EQ(middle(renderer.draw(view)).sum(), 765);
 }
 
+TEST_P(Water, WhiteDropsInItDarkenNothing) {
+  // Most cover one or two of a pixel's four samples; behind the others, nothing reflects any light.
+  constexpr float kSpacing = 0.05f;
+  const std::vector<Vec3f> block = lattice({-0.8f, -0.8f, -0.8f}, {0.8f, 0.8f, 0.4f}, kSpacing);
+  View view = plainView();
+  view.backgroundTop = view.backgroundBottom = {0, 0, 0, 1};
+  view.lighting = {.shadows = false, .occlusion = false};
+  view.waters = {{.absorption = {4, 1, 0.5f}, .scattering = 2, .smoothing = 0.1f}};
+  view.particles = {liquidOf(block, kSpacing)};
+  const Picture before = renderer.draw(view);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> along(-0.7f, 0.7f), under(0.25f, 0.38f);
+  std::vector<Vec3f> drops;
+  for (int i = 0; i < 200; ++i) drops.push_back({along(random), along(random), under(random)});
+  view.particles.push_back({.positions = drops, .radius = 0.015f, .fixed = {1, 1, 1, 1}, .white = true});
+  const Picture after = renderer.draw(view);
+  int darker = 0, brighter = 0;
+  for (std::size_t i = 0; i < after.rgb.size(); ++i) {
+    darker += after.rgb[i] + 5 < before.rgb[i];
+    brighter += after.rgb[i] > before.rgb[i] + 20;
+  }
+  EXPECT_EQ(darker, 0);
+  EXPECT_GT(brighter, 200);
+}
+
 TEST_P(Water, OutlinesAreThoseOfTheSpheres) {
   // A ball of radius 1 around the origin, made of one sphere; smoothing does not widen it.
   const std::vector<Vec3f> one{{0, 0, 0}};
