@@ -36,7 +36,8 @@ void WaterSmoothing::smoothSurface(const Frame& frame, const WaterTargets& water
     for (int axis = 0; axis < 2; ++axis) {
       narrowRange_.setTexture("uNearness", water.nearness[axis].texture);
       narrowRange_.set("uStepX", axis == 0 ? 1 : 0);
-      narrowRange_.set("uWidth", share * width * pixels);
+      narrowRange_.set("uWidth", width * pixels);
+      narrowRange_.set("uShare", share);
       narrowRange_.draw(water.nearness[1 - axis].target);
     }
   polish_.use();

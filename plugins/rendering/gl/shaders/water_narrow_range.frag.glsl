@@ -1,8 +1,11 @@
 // Places in pairs, outwards. The range grows with what lies in it, so that slopes are not cut off. All limits
-// are soft, or spray would become noise.
+// are soft, or spray would become noise. Pairs are closer together in the middle, where the range begins to follow a
+// slope: water at a flat angle falls behind by as much as that from one row to the next. And their gaps are of many widths:
+// with one, rows that far apart are smoothed with each other alone, and are seen as combs.
 uniform sampler2D uNearness;
 uniform int uStepX;        // 1: along x, 0: along y
-uniform float uWidth;      // of the Gaussian at a distance of 1 m, in pixels
+uniform float uWidth;      // of the widest Gaussian at a distance of 1 m, in pixels
+uniform float uShare;      // of that, in this round
 uniform float uRange;      // m
 out float oNearness;
 
@@ -20,17 +23,17 @@ void main() {
   oNearness = here;
   if (here <= 0.0) return;
   ivec2 unit = ivec2(uStepX, 1 - uStepX);
-  float width = min(uWidth * here, 0.5 * kLargest);
-  float stride = max(1.0, 2.0 * width / float(kPairs));
+  float width = uShare * min(uWidth * here, 0.5 * kLargest);
   float distance = 1.0 / here;
   float nearest = distance - uRange, farthest = distance + uRange;
   float behind = distance + 0.2 * uRange;
   float sum = here, weights = 1.0;
   ivec2 last = textureSize(uNearness, 0) - 1;
   for (int i = 1; i <= kPairs; ++i) {
-    int away = int(float(i) * stride + 0.5);
+    float outwards = float(i) / float(kPairs), gap = 3.0 * width / float(kPairs) * sqrt(outwards);
+    int away = int(max(float(i), 2.0 * width * outwards * sqrt(outwards) + 0.5));
     float part = float(away) / width;
-    float weight = exp(-0.5 * part * part);
+    float weight = max(1.0, gap) * exp(-0.5 * part * part);
     if (weight < 0.05) break;
     float a = texelFetch(uNearness, clamp(place + away * unit, ivec2(0), last), 0).r;
     float b = texelFetch(uNearness, clamp(place - away * unit, ivec2(0), last), 0).r;
