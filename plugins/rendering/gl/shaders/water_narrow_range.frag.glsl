@@ -34,9 +34,10 @@ void main() {
     int away = int(max(float(i), 2.0 * width * outwards * sqrt(outwards) + 0.5));
     float part = float(away) / width;
     float weight = max(1.0, gap) * exp(-0.5 * part * part);
-    if (weight < 0.05) break;
-    float a = texelFetch(uNearness, clamp(place + away * unit, ivec2(0), last), 0).r;
-    float b = texelFetch(uNearness, clamp(place - away * unit, ivec2(0), last), 0).r;
+    ivec2 one = place + away * unit, other = place - away * unit;
+    // With one of a pair alone, or the rim's place in its stead, water would bend up towards the picture's rim.
+    if (weight < 0.05 || any(greaterThan(one, last)) || any(lessThan(other, ivec2(0)))) break;
+    float a = texelFetch(uNearness, one, 0).r, b = texelFetch(uNearness, other, 0).r;
     float da = abs(a) > 0.0 ? 1.0 / abs(a) : 1e9, db = abs(b) > 0.0 ? 1.0 / abs(b) : 1e9;
     float over = (nearest - min(da, db)) / uRange;  // both count less, or the middle would move
     weight *= 1.0 - smoothstep(0.0, 1.0, over);
