@@ -62,8 +62,8 @@ std::vector<Vec3f> mixedAlong(const MeshSpan& mesh, std::vector<Vec3f> vectors, 
   WEIR_CHECK(vectors.size() == mesh.vertices.size());
   const MeshEdges edges = edgesOf(mesh);
   if (!(edges.meanSquare > 0)) return vectors;
-  constexpr double kMostPasses = 100;  // for meshes that are much finer than what is mixed
-  const int passes = int(std::min(kMostPasses, std::round(2.0 * deviation * deviation / edges.meanSquare)));
+  constexpr double kMaxPasses = 100;  // for meshes that are much finer than what is mixed
+  const int passes = int(std::min(kMaxPasses, std::round(2.0 * deviation * deviation / edges.meanSquare)));
   std::vector<Vec3f> mixed(vectors.size());
   for (int pass = 0; pass < passes; ++pass) {
     inParts(vectors.size(), [&](std::size_t begin, std::size_t end) {
