@@ -3,6 +3,7 @@
 import math
 
 from lab import GRAVITY, Chart, Outcome, Row, exported, node
+from waves import zeros_of
 
 ARM, BETWEEN, DEPTH = 0.1, 0.2, 0.4  # m: width of each arm and of what joins them, the way between the arms, their depth
 # Of a channel that turns by a right angle, in its widths: what the square at the corner counts for a potential flow.
@@ -15,12 +16,6 @@ ALONG_LID = ((0.0547, -0.03717), (0.1016, -0.06434), (0.1719, -0.10150), (0.2813
              (0.5, -0.20581), (0.6172, -0.13641), (0.7344, 0.00332), (0.8516, 0.23151), (0.9531, 0.68717))
 ACROSS = ((0.0625, 0.09233), (0.0938, 0.12317), (0.1563, 0.16077), (0.2266, 0.17507), (0.2344, 0.17527), (0.5, 0.05454),
           (0.8047, -0.24533), (0.8594, -0.22445), (0.9063, -0.16914), (0.9531, -0.08864))
-
-
-def zeros_of(times, values):
-    """Where they change their sign."""
-    return [times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1]) for k in range(len(values) - 1)
-            if (values[k] > 0) != (values[k + 1] > 0)]
 
 
 def u_tube(lab):

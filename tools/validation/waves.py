@@ -63,11 +63,15 @@ def amplitudes(wave, result):
     return found
 
 
+def zeros_of(times, values):
+    """Where they change their sign."""
+    return [times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1]) for k in range(len(values) - 1)
+            if (values[k] > 0) != (values[k + 1] > 0)]
+
+
 def period_of(times, values):
     """Twice the mean way between zeros."""
-    ends = range(len(values) - 1)
-    zeros = [times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1]) for k in ends
-             if (values[k] > 0) != (values[k + 1] > 0)]
+    zeros = zeros_of(times, values)
     return 2 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
 
 

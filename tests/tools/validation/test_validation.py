@@ -16,13 +16,14 @@ sys.path.insert(0, str(ROOT / "tools" / "validation"))
 
 import validate  # noqa: E402  (it finds all others)
 import at_rest  # noqa: E402
+import confined  # noqa: E402
 import in_motion  # noqa: E402
 import kept  # noqa: E402
 import program  # noqa: E402
 import report  # noqa: E402
 import scene as scenes  # noqa: E402
 import waves  # noqa: E402
-from lab import SCENES, Chart, Lab, Outcome, Row, mean_force  # noqa: E402
+from lab import SCENES, Chart, Lab, Outcome, Particles, Row, mean_force  # noqa: E402
 
 try:
     import numpy
@@ -93,6 +94,62 @@ class ClosedForms(unittest.TestCase):
         times = [0.03 * k for k in range(100)]
         found = waves.period_of(times, [0.2 * math.exp(-t / 9) * math.cos(2 * math.pi * t / 1.23) for t in times])
         self.assertAlmostEqual(found, 1.23, delta=1e-3)
+
+
+class Waves(unittest.TestCase):
+    def test_zeros_are_found_between_frames(self):
+        self.assertEqual(waves.zeros_of([0, 1, 2, 3], [-1, 1, 3, -1]), [0.5, 2.75])
+
+    def test_periods_of_modes(self):
+        # g·k·tanh(k·h) by hand, for k = π and 2π per m and h = 40 cm.
+        self.assertAlmostEqual(waves.Wave(0.025).period, 2 * math.pi / math.sqrt(9.8 * 3.14159265 * 0.85013), places=4)
+        self.assertAlmostEqual(waves.Wave(0.025, halves=2).period, 2 * math.pi / math.sqrt(9.8 * 6.2831853 * 0.98697), places=4)
+
+    @unittest.skipIf(numpy is None, "needs numpy")
+    def test_modes_keep_volume_and_pass_no_wall(self):
+        step, where = 1e-4, numpy.random.default_rng(1).uniform((0, 0, 0), (1, 0.4, 0.1), (50, 3))
+        for halves in (1, 2):
+            mode = waves.Wave(0.025, halves).mode
+            along, up = numpy.array([[step, 0, 0]]), numpy.array([[0, step, 0]])
+            divergence = (mode(where + along) - mode(where - along))[:, 0] + (mode(where + up) - mode(where - up))[:, 1]
+            self.assertLess(abs(divergence / (2 * step)).max(), 1e-5)
+            ends, floor = numpy.array([[0, 0.2, 0], [1, 0.3, 0]]), numpy.array([[0.3, 0, 0]])
+            self.assertLess(abs(mode(ends)[:, 0]).max(), 1e-12)
+            self.assertLess(abs(mode(floor)[:, 1]).max(), 1e-12)
+
+
+@unittest.skipIf(numpy is None, "needs numpy")
+class Confined(unittest.TestCase):
+    @staticmethod
+    def corner_of(cells):
+        """What the square of an L of that many cells across counts for, in squares: its arms are three more long, with potentials
+        1 and 0 at their ends."""
+        inside = [(i, j) for i in range(4 * cells) for j in range(4 * cells) if i < cells or j < cells]
+        number = {place: k for k, place in enumerate(inside)}
+        matrix, right = numpy.zeros((len(inside), len(inside))), numpy.zeros(len(inside))
+        for (i, j), k in number.items():
+            for near in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+                if near in number:
+                    matrix[k, k] += 1
+                    matrix[k, number[near]] -= 1
+            if i == 4 * cells - 1 or j == 4 * cells - 1:  # half a cell to the end
+                matrix[k, k] += 2
+                right[k] += 2 if i > j else 0
+        potential = numpy.linalg.solve(matrix, right)
+        flow = sum(2 * (1 - potential[number[4 * cells - 1, j]]) for j in range(cells))
+        return 1 / flow - 6
+
+    def test_a_square_corner_counts_as_the_closed_form_says(self):
+        coarse, fine, order = self.corner_of(4), self.corner_of(8), 4 / 3  # of the error, at a corner of 270 degrees
+        self.assertAlmostEqual((2 ** order * fine - coarse) / (2 ** order - 1), confined.CORNER, delta=0.002)
+
+    def test_velocities_between_particles_are_found(self):
+        places = numpy.random.default_rng(2).uniform((0, 0, 0), (0.1, 0.1, 0.02), (4000, 3))
+        x, y = places[:, 0], places[:, 1]
+        velocities = numpy.stack([1 + 3 * x - y + 20 * x * y, 2 * y - 40 * x ** 2, 0 * x], axis=1)
+        found, = confined.velocities_at([Particles(places, velocities)], [(0.03, 0.06)], 0.005)
+        self.assertAlmostEqual(found[0], 1 + 0.09 - 0.06 + 20 * 0.03 * 0.06)
+        self.assertAlmostEqual(found[1], 0.12 - 40 * 0.03 ** 2)
 
 
 class Checks(unittest.TestCase):
