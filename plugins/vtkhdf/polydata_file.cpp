@@ -287,8 +287,10 @@ PolyDataFile::PolyDataFile(const fs::path& file, const VtkHdfLayout& layout, con
     file_ = std::make_unique<hdf5::File>(hdf5::File::create(draft, file.string()));
     makeVirtualSets(*file_, layout, from);
     contents_ = std::make_unique<Contents>(*file_, layout);
-    for (const VirtualStep& step : from.steps)
-      appendStep({.time = step.time, .fields = step.fields, .points = step.points(), .triangles = {}});
+    for (const VirtualStep& step : from.steps) {
+      appendStep({.fields = step.fields, .points = step.points(), .triangles = {}});
+      contents_->steps.values.append(step.time);
+    }
     contents_->steps.group.setAttribute("NSteps", frames_);
     for (const auto& [name, text] : texts) contents_->simulation.writeText(name, text);
     file_->sync();
@@ -313,13 +315,16 @@ void PolyDataFile::writeCounting(const fs::path& file, std::int64_t end) {
 
 void PolyDataFile::write(const VtkHdfFrame& frame) {
   appendValues(frame);
-  appendStep({.time = frame.time,
-              .fields = frame.fields,
+  appendStep({.fields = frame.fields,
               .points = static_cast<std::int64_t>(frame.positions.size()),
               .triangles = frame.triangles});
-  // The step counts only once all that belongs to it is on its way to the disk.
+  // The step counts only once all that belongs to it is on its way to the disk. Its time comes last: VTK (9.3
+  // to 9.7) makes room for NSteps times and reads all that there are, so it crashes where a run was killed
+  // between the two the other way round.
   file_->flush();
   contents_->steps.group.setAttribute("NSteps", frames_);
+  file_->flush();
+  contents_->steps.values.append(frame.time);
   file_->flush();
 }
 
@@ -347,7 +352,6 @@ void PolyDataFile::appendStep(const Step& step) {
   const std::int64_t first = cells_ - partCells_;
   const std::int64_t cellOffsets[] = {triangles_ ? 0 : first, 0, triangles_ ? first : 0, 0};
   const std::int64_t idOffsets[] = {0, 0, triangles_ ? 3 * first : 0, 0};
-  to.steps.values.append(step.time);
   to.steps.partOffsets.append(parts_ - 1);
   to.steps.partCounts.append(std::int64_t{1});
   to.steps.pointOffsets.append(points_);

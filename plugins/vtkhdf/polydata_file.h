@@ -97,7 +97,6 @@ class PolyDataFile {
 
   /// All of a step but values of points and triangles.
   struct Step {
-    double time;
     std::span<const double> fields;
     std::int64_t points;
     std::span<const Vec3i> triangles;
@@ -105,6 +104,7 @@ class PolyDataFile {
 
   void truncate(std::int64_t steps);
   void appendValues(const VtkHdfFrame& frame);
+  /// All but its time.
   void appendStep(const Step& step);
   /// Lets `fill` make the file at `draft`, then puts it in its place; at an error nothing is left of it.
   template <class F>

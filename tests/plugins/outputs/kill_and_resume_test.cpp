@@ -14,6 +14,7 @@
 
 #include "framework/scene/scene_file.h"
 #include "plugins/vtkhdf/checkpoint_file.h"
+#include "plugins/vtkhdf/hdf5.h"
 #include "plugins/vtkhdf/vtkhdf_writer.h"
 #include "tests/plugins/outputs/written_run.h"
 #include "tests/plugins/video/video_tools.h"
@@ -143,6 +144,22 @@ TEST(KilledEarly, ExportsOfNoStepAndOfOneAreReadable) {
                                    "--frames", "0", "--export", one});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(expectReadable(one), 1u);
+}
+
+/// The last write of a step is that of its time; VTK crashed where it was there and the step did not count
+/// yet.
+TEST(KilledEarly, ExportsWhoseLastStepHasNoTimeAreReadable) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "run.vtkhdf";
+  const ChildResult run = runWeir({"run", folder.write("scene.json", kStateful), "--device", "cpu", "--quiet",
+                                   "--frames", "3", "--export", file});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(expectReadable(file), 4u);
+  {
+    hdf5::File opened = hdf5::File::reopen(file);
+    opened.root().group("VTKHDF").group("Steps").dataset("Values").truncate(3);
+  }
+  EXPECT_EQ(expectReadable(file), 3u);
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST_F(VtkHdfReaderTest, ReadsAnUnstructuredGridOfDoublesInTwoParts) {
   EXPECT_EQ(step.find("density"), nullptr);
 }
 
-void temporal(Maker& maker) {
+void temporal(Maker& maker, std::int64_t steps = 4) {
   maker.group("/VTKHDF");
   maker.type("PolyData");
   maker.set<float>("/VTKHDF/Points", {0, 0, 0, 1, 1, 1, 2, 2, 2}, {3, 3});
@@ -106,11 +106,19 @@ void temporal(Maker& maker) {
   maker.set<float>("/VTKHDF/PointData/mass", {1, 2, 3});
   maker.group("/VTKHDF/Steps");
   maker.set<double>("/VTKHDF/Steps/Values", {0.5, 1, 2, 4});
-  const std::int64_t four = 4;
-  maker.attribute("NSteps", H5T_NATIVE_INT64, &four, "/VTKHDF/Steps");
+  maker.attribute("NSteps", H5T_NATIVE_INT64, &steps, "/VTKHDF/Steps");
   maker.set<std::int64_t>("/VTKHDF/Steps/PartOffsets", {0, 0, 1, 0});
   maker.set<std::int64_t>("/VTKHDF/Steps/NumberOfParts", {1, 1, 1, 2});
   maker.set<std::int64_t>("/VTKHDF/Steps/PointOffsets", {0, 0, 1, 0});
+}
+
+TEST_F(VtkHdfReaderTest, LeavesOutAStepThatAKilledRunGaveNoTime) {
+  const auto file = folder / "killed.vtkhdf";
+  {
+    Maker maker(file);
+    temporal(maker, 5);
+  }
+  EXPECT_EQ(VtkHdfReader(file).times(), (std::vector<double>{0.5, 1, 2, 4}));
 }
 
 TEST_F(VtkHdfReaderTest, ReadsStepsThatShareData) {
