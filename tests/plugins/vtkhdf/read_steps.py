@@ -2,8 +2,8 @@
 
 usage: read_steps.py FILE.vtkhdf STEPS
 
-Exits with an error if the file does not hold STEPS steps, or one more whose time a killed run did not write, or if one has another number of particles than was written,
-or lacks a point's velocity.
+Exits with an error if the file does not hold STEPS steps, or if one has another number of particles than was written,
+or lacks a point's velocity. One step more may be there, without a time, for which VTK takes 0: its run was killed.
 """
 
 import sys
@@ -22,7 +22,7 @@ def main(file, steps):
     reader.UpdateInformation()
     # Without times VTK takes a file of one step for one that stands still.
     times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or (0.0,)
-    if not len(times) == reader.GetNumberOfSteps() or len(times) not in (steps, steps + 1):
+    if not len(times) == reader.GetNumberOfSteps() or tuple(times[steps:]) not in ((), (0.0,)) or len(times) < steps:
         sys.exit(f"there are {len(times)} times and {reader.GetNumberOfSteps()} steps in place of {steps}")
     for time in times[:steps]:
         reader.UpdateTimeStep(time)
