@@ -114,4 +114,22 @@ Value Configurable::schema() const {
   return schema;
 }
 
+template class Param<bool>;
+template class Param<int>;
+template class Param<std::int64_t>;
+template class Param<float>;
+template class Param<double>;
+template class Param<Vec2f>;
+template class Param<Vec3f>;
+template class Param<Color>;
+template class Param<Rotation>;
+template class Param<std::string>;
+template class Param<FilePath>;
+template class Param<Curve>;
+template class Param<std::optional<std::int64_t>>;
+template class Param<std::optional<float>>;
+template class Param<std::optional<double>>;
+template class Param<std::optional<Vec2f>>;
+template class Param<std::optional<Vec3f>>;
+
 }  // namespace weir

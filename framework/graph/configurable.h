@@ -202,6 +202,25 @@ class Param final : public Property {
   typename detail::KeyframesOf<T>::type keyframes_;
 };
 
+// Compiled once, in configurable.cpp, and not for each file that has such a parameter.
+extern template class Param<bool>;
+extern template class Param<int>;
+extern template class Param<std::int64_t>;
+extern template class Param<float>;
+extern template class Param<double>;
+extern template class Param<Vec2f>;
+extern template class Param<Vec3f>;
+extern template class Param<Color>;
+extern template class Param<Rotation>;
+extern template class Param<std::string>;
+extern template class Param<FilePath>;
+extern template class Param<Curve>;
+extern template class Param<std::optional<std::int64_t>>;
+extern template class Param<std::optional<float>>;
+extern template class Param<std::optional<double>>;
+extern template class Param<std::optional<Vec2f>>;
+extern template class Param<std::optional<Vec3f>>;
+
 /// A nested object of parameters.
 template <class T>
 class Group final : public Property {

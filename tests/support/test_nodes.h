@@ -179,18 +179,7 @@ class Stage final : public Configurable {
   Param<FilePath> backdrop{*this, "backdrop", {}};
 };
 
-inline void registerTestTypes(Registry& registry) {
-  registry.setSource("tests");
-  registry.addNode<Source>();
-  registry.addNode<NeedsFile>();
-  registry.addNode<Relay>();
-  registry.addNode<Sum>();
-  registry.addNode<Worker>();
-  registry.addModule<AddRule>();
-  registry.addModule<ScaleRule>();
-  registry.addModule<Stranger>();
-  registry.addSection<Stage>("stage", "How the scene is shown.");
-}
+void registerTestTypes(Registry& registry);
 
 /// A scene that uses all of them.
 inline constexpr std::string_view kTestScene = R"({
