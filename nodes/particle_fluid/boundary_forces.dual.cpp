@@ -9,6 +9,15 @@ namespace {
 
 using Measured = WallField::Measured;
 
+/// Gives the boundary k what fluid at p does to it, and the same to those of its parts in whose boxes p is.
+template <class Give, class Impulse>
+WEIR_HD void giveWithParts(const ArrayView<const Measured>& measured, int k, const Vec3f& p, const Give& give,
+                           const Impulse& impulse) {
+  give(k, impulse);
+  for (int part = k + 1; part <= k + measured[k].parts; ++part)
+    if (measured[part].box.contains(p)) give(part, impulse);
+}
+
 struct PressureOnBoundaries {
   BoundaryIntegrals walls;
   ArrayView<const Measured> measured;
@@ -24,7 +33,9 @@ struct PressureOnBoundaries {
     if (!mayTouch(walls.boundary, walls.radius, p)) return;
     walls.forEachPart(p, [&](const BoundaryPiece& piece, const Vec3f& gradient) {
       const int k = piece.measured;
-      if (k >= 0) give(k, [&] { return impulseAt(-massPerDt * s * gradient, p - measured[k].pivot); });
+      if (k < 0) return;
+      giveWithParts(measured, k, p, give,
+                    [&] { return impulseAt(-massPerDt * s * gradient, p - measured[k].pivot); });
     });
   }
 };
@@ -40,7 +51,8 @@ struct ContactWithBoundaries {
     const Vec3f change = velocities[i] - before[i], p = positions[i];
     if (change == Vec3f{}) return;
     const int k = nearest(p);
-    if (k >= 0) give(k, [&] { return impulseAt(-mass * change, p - measured[k].pivot); });
+    if (k < 0) return;
+    giveWithParts(measured, k, p, give, [&] { return impulseAt(-mass * change, p - measured[k].pivot); });
   }
 
   WEIR_HD int nearest(const Vec3f& p) const {

@@ -70,11 +70,13 @@ void WallField::meet(const std::vector<const Boundary*>& boundaries, const Fluid
   for (const Boundary* of : boundaries) {
     const std::ptrdiff_t first = std::ssize(all);
     all.insert(all.end(), of->pieces.begin(), of->pieces.end());
-    if (of->impulse == nullptr) continue;
-    reporting_.push_back(of->impulse);
+    if (of->impulses == nullptr) continue;
+    reporting_.push_back(of->impulses);
     for (auto piece = all.begin() + first; piece != all.end(); ++piece)
       piece->measured = static_cast<int>(reporting.size());
-    reporting.push_back({of->impulse->data(), of->pivot});
+    SolidImpulse* sum = of->impulses->data();
+    reporting.push_back({sum, of->pivot, static_cast<int>(of->parts.size()), {}});
+    for (const Aabb& box : of->parts) reporting.push_back({++sum, of->pivot, 0, box});
   }
   measured.assign(reporting);
   boundaryImpulses.resizeDiscarding(measured.size());
@@ -94,7 +96,7 @@ void WallField::meet(const std::vector<const Boundary*>& boundaries, const Fluid
 
 void WallField::forgetImpulses() {
   for (Solid* solid : solids) solid->impulse().fillZero();
-  for (Array<SolidImpulse>* impulse : reporting_) impulse->fillZero();
+  for (Array<SolidImpulse>* impulses : reporting_) impulses->fillZero();
 }
 
 void FluidStep::findWalls() {

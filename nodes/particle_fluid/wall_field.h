@@ -141,10 +141,12 @@ struct WallField {
   Array<BodySums> bodySums;      ///< of each solid, scratch
   std::int64_t stride = 0;
   bool rubs = false, bounces = false;  ///< whether a boundary has friction, and restitution
-  /// A boundary that reports forces.
+  /// A boundary that reports forces, or a part of the last one before it.
   struct Measured {
     SolidImpulse* impulse;  ///< one sum, of all steps
     Vec3f pivot;
+    int parts;  ///< how many there are behind it; 0 of a part
+    Aabb box;   ///< m, of a part: where fluid is that pushes it
   };
   Array<Measured> measured;
   Array<SolidImpulse> boundaryImpulses;  ///< one of each of these, scratch

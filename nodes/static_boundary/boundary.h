@@ -99,8 +99,10 @@ struct Boundary {
 
   bool rubs = false;  ///< whether it has friction, or those that it includes have
   bool reportsForces = false;
-  /// One sum, on the device, to which fluids add what they do in each step; null if it reports no forces.
-  Array<SolidImpulse>* impulse = nullptr;
+  /// Sums, on the device, to which fluids add what they do in each step: to all of it, then to each of
+  /// `parts`; null if it reports no forces.
+  Array<SolidImpulse>* impulses = nullptr;
+  std::vector<Aabb> parts;            ///< m; fluid that is in one pushes that part
   Vec3f pivot;                        ///< m, about which torques are counted
   std::vector<BoundaryPiece> pieces;  ///< views into `meshes` and those of combined boundaries
   std::vector<std::shared_ptr<const MeshSdf>> meshes;  ///< kept alive for the pieces

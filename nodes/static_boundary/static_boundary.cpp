@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/base/text.h"
 #include "framework/base/vec_value.h"
 #include "framework/graph/memory_estimate.h"
 #include "framework/graph/setting_warning.h"
@@ -28,12 +29,28 @@ Quatf rotationFromUp(const Vec3f& direction) {
 
 }  // namespace
 
+void BoundaryPart::validate() const {
+  if (name->empty()) throw sceneError("a part has no name", "a name").inParameter(name.name());
+  const Vec3f size = max.get() - min.get();
+  if (!(size.x > 0 && size.y > 0 && size.z > 0))
+    throw sceneError("the part's box has no volume, as min is not below max along every axis",
+                     "min below max");
+}
+
 void StaticBoundary::validate() const {
   const Vec3f extent = max.get() - min.get();
   if (shape == BoundaryShape::kBox && !(extent.x > 0 && extent.y > 0 && extent.z > 0))
     throw sceneError("the box has no volume, as min is not below max along every axis", "min below max");
   if (length(normal.get()) == 0)
     throw sceneError("the normal is [0, 0, 0]", "a direction").inParameter(normal.name());
+  if (!parts.empty() && !reportForces)
+    throw sceneError("parts are named, but no forces are reported", "\"report_forces\": true, or no parts")
+        .inParameter(parts.name());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (*parts[i].name == *parts[k].name)
+        throw sceneError("two parts are called " + inQuotes(*parts[i].name), "names that differ")
+            .inParameter(parts.name());
 }
 
 Shape StaticBoundary::analyticShape() const {
@@ -121,11 +138,14 @@ void StaticBoundary::reset(const SetupContext& context) {
   boundary->rubs = rubs();
   boundary->reportsForces = reportForces;
   boundary->pivot = pivot;
-  force_ = torque_ = Vec3d{};
   lastFrame_ = 0;
-  impulse_ = Array<SolidImpulse>(context.device, reportForces ? 1 : 0);
-  impulse_->fillZero();
-  if (reportForces) boundary->impulse = &*impulse_;
+  const std::size_t sums = reportForces ? 1 + parts.size() : 0;
+  forces_->assign(sums, {});
+  torques_->assign(sums, {});
+  impulses_ = Array<SolidImpulse>(context.device, static_cast<std::int64_t>(sums));
+  impulses_->fillZero();
+  if (reportForces) boundary->impulses = &*impulses_;
+  for (std::size_t i = 0; i < parts.size(); ++i) boundary->parts.push_back({*parts[i].min, *parts[i].max});
   if (shape != BoundaryShape::kNone) {
     boundary->pieces.push_back(piece());
     boundary->pieces.back().shape = analyticShape();
@@ -157,16 +177,29 @@ void StaticBoundary::frame(const StepContext& context) {
   const double elapsed = context.time - lastFrame_;
   if (!reportForces || !(elapsed > 0)) return;
   lastFrame_ = context.time;
-  const SolidImpulse sum = impulse_->toHost().front();
-  impulse_->fillZero();
-  force_ = sum.linear / elapsed;
-  torque_ = sum.angular / elapsed;
+  const std::vector<SolidImpulse> sums = impulses_->toHost();
+  impulses_->fillZero();
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    (*forces_)[i] = sums[i].linear / elapsed;
+    (*torques_)[i] = sums[i].angular / elapsed;
+  }
 }
 
 void StaticBoundary::report(NodeReport& report) {
   if (!reportForces) return;
-  report.statistics["force"] = toValue(force_.get());
-  report.statistics["torque"] = toValue(torque_.get());
+  const auto put = [&](Value& to, std::size_t i) {
+    to["force"] = toValue((*forces_)[i]);
+    to["torque"] = toValue((*torques_)[i]);
+  };
+  put(report.statistics, 0);
+  if (parts.empty()) return;
+  Value ofParts = Value::object();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Value part = Value::object();
+    put(part, i + 1);
+    ofParts[*parts[i].name] = std::move(part);
+  }
+  report.statistics["parts"] = std::move(ofParts);
 }
 
 double StaticBoundary::thickness() const {

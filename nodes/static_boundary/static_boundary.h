@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "framework/base/api.h"
 #include "framework/communication/on_ranks.h"
@@ -26,6 +28,16 @@ struct EnumNames<BoundaryShape> {
       EnumName{"capsule", "A cylinder of radius and height with half spheres on its ends."},
       EnumName{"cone", "Its base, of radius, stands at position; its tip is height above, along y."},
       EnumName{"plane", "All that is below position, seen along normal."}};
+};
+
+/// A part of a boundary, whose force and torque are reported, too.
+struct BoundaryPart : Configurable {
+  Param<std::string> name{*this, "name", "", {.doc = "What its numbers are called."}};
+  Param<Vec3f> min{
+      *this, "min", {}, {.unit = "m", .doc = "Lower corner of a box: fluid in it pushes this part."}};
+  Param<Vec3f> max{*this, "max", {1, 1, 1}, {.unit = "m", .doc = "Upper corner of that box."}};
+
+  void validate() const override;
 };
 
 class StaticBoundary final : public Node, public OnRanks {
@@ -117,6 +129,9 @@ class StaticBoundary final : public Node, public OnRanks {
   Param<Vec3f> pivot{
       *this, "pivot", {}, {.unit = "m", .doc = "The point about which that torque is counted."}};
 
+  GroupList<BoundaryPart> parts{
+      *this, "parts", "Parts whose force and torque are reported, too: each feels the fluid in a box."};
+
   Inputs<TriangleMesh> meshes{*this, "meshes", "Meshes that are solid, or containers if inverted."};
   Inputs<Boundary> boundaries{*this, "boundaries", "Other boundaries that this one shall include."};
   Output<Boundary> boundary{*this, "boundary", "All of these together."};
@@ -144,9 +159,10 @@ class StaticBoundary final : public Node, public OnRanks {
   }
   void addMesh(const SetupContext& context, std::size_t link, const Boundary::Request& finest);
 
-  State<Array<SolidImpulse>> impulse_{*this, "impulse"};          // one, since the frame before
-  State<Vec3d> force_{*this, "force"}, torque_{*this, "torque"};  // N and N·m, means between frames
-  State<double> lastFrame_{*this, "last_frame"};                  // s
+  // Of all of it, and of each part: since the frame before; N and N·m, means between frames.
+  State<Array<SolidImpulse>> impulses_{*this, "impulses"};
+  State<std::vector<Vec3d>> forces_{*this, "forces"}, torques_{*this, "torques"};
+  State<double> lastFrame_{*this, "last_frame"};  // s
 };
 
 }  // namespace weir

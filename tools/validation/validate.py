@@ -55,6 +55,7 @@ CHECKS = [
     Check("dam_front", "The front of a dam break", in_motion.dam_front),
     Check("full_goblet", "A full goblet", in_motion.full_goblet, long=True),
     Check("small_wave", "A small wave", waves.small_wave),
+    Check("round_tank", "Waves in a round tank", waves.round_tank, long=True),
     Check("u_tube", "Water in a U", confined.u_tube, long=True),
     Check("cavity", "A lid-driven cavity", confined.cavity, long=True),
     Check("drop", "A drop", in_motion.drop),

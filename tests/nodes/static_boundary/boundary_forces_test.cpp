@@ -8,6 +8,7 @@
 #include "nodes/particle_fluid/particle_fluid.h"
 #include "nodes/static_boundary/static_boundary.h"
 #include "tests/support/devices.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/simulated_scene.h"
 
 namespace weir::test {
@@ -62,6 +63,68 @@ TEST_P(BoundaryForces, OfWaterAtRestAreHydrostatic) {
   EXPECT_NEAR(tank.force.x, -onWall, 0.02 * onWall);
   // The centre of pressure is a third of the depth above the ground.
   EXPECT_NEAR(wall.torque.z, -onWall * kDepth / 3, 0.03 * onWall * kDepth / 3);
+}
+
+/// The parts of a wall's area, each as wide as the wall, by their heights in m, and water before them.
+TEST_P(BoundaryForces, OfPartsOfAWallAreThoseOfTheWaterBeforeThem) {
+  constexpr double kSide = 0.2, kDepth = 0.3;
+  SimulatedScene scene(*device, R"({"weir": 1,
+    "world": {"dt": 0.002, "frame_rate": 10, "duration": 0.2},
+    "nodes": {
+      "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.3, 0.2]}},
+      "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.3, 0.6, 0.2],
+                                                    "inverted": true}},
+      "wall": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0.2, -0.1, -0.1], "max": [0.5, 0.6, 0.3],
+               "report_forces": true, "pivot": [0.2, 0, 0.1], "parts": [
+                 {"name": "foot", "min": [0, -1, -1], "max": [1, 0.1, 1]},
+                 {"name": "knee", "min": [0, 0.1, -1], "max": [1, 0.2, 1]},
+                 {"name": "rest", "min": [0, 0.2, -1], "max": [1, 1, 1]},
+                 {"name": "dry", "min": [0, 0.4, -1], "max": [1, 1, 1]}]}},
+      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "bulk_modulus": 5e5},
+                "modules": {"solver": {"params": {"tolerance": 0.001, "iterations": 300,
+                                                  "acceleration": "conjugate"}}}}},
+    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
+              "wall.boundary -> water.boundaries"]})");
+  scene->reset();
+  nextFrame(scene);
+  nextFrame(scene);
+  NodeReport report;
+  scene.node<StaticBoundary>("wall").report(report);
+  const auto partOf = [&](const char* name) {
+    const Value& part = report.statistics["parts"][name];
+    return Load{vectorOf(*part.find("force")), vectorOf(*part.find("torque"))};
+  };
+  // N, of water from one height to another, in m.
+  const auto pushed = [&](double from, double to) {
+    const auto upTo = [&](double y) { return kDepth * y - y * y / 2; };
+    return kWater * kGravity * kSide * (upTo(to) - upTo(from));
+  };
+  const double whole = pushed(0, kDepth);
+  EXPECT_NEAR(partOf("foot").force.x, pushed(0, 0.1), 0.02 * whole);
+  EXPECT_NEAR(partOf("knee").force.x, pushed(0.1, 0.2), 0.02 * whole);
+  EXPECT_NEAR(partOf("rest").force.x, pushed(0.2, kDepth), 0.02 * whole);
+  EXPECT_EQ(partOf("dry").force, (Vec3d{}));
+  const Load wall = loadOn(scene, "wall");
+  const Vec3d forces = partOf("foot").force + partOf("knee").force + partOf("rest").force;
+  const Vec3d torques = partOf("foot").torque + partOf("knee").torque + partOf("rest").torque;
+  EXPECT_NEAR(length(forces - wall.force), 0, 1e-9 * whole);
+  EXPECT_NEAR(length(torques - wall.torque), 0, 1e-9 * whole);
+}
+
+TEST_P(BoundaryForces, OfPartsAreRefusedWhereTheyMeanNothing) {
+  const auto messageOf = [&](const std::string& params) {
+    const std::string scene =
+        R"({"weir": 1, "nodes": {"wall": {"type": "StaticBoundary", "params": {"shape": "box", )" + params +
+        "}}}}";
+    return std::string(errorOf([&] { SimulatedScene(*device, scene); }).what());
+  };
+  const std::string part = R"({"name": "a", "min": [0, 0, 0], "max": [1, 1, 1]})";
+  EXPECT_CONTAINS(messageOf(R"("parts": [)" + part + "]"), "no forces are reported");
+  EXPECT_CONTAINS(messageOf(R"("report_forces": true, "parts": [)" + part + ", " + part + "]"),
+                  "two parts are called 'a'");
+  EXPECT_CONTAINS(messageOf(R"("report_forces": true, "parts": [{"max": [1, 1, 1]}])"), "has no name");
+  EXPECT_CONTAINS(messageOf(R"("report_forces": true, "parts": [{"name": "a", "max": [1, 0, 1]}])"),
+                  "no volume");
 }
 
 std::string splash(const std::string& solver) {

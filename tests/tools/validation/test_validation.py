@@ -118,6 +118,27 @@ class Waves(unittest.TestCase):
             self.assertLess(abs(mode(floor)[:, 1]).max(), 1e-12)
 
 
+    def test_extremes_of_bessel_functions(self):
+        # Abramowitz and Stegun, table 9.5.
+        for order, expected in ((0, 3.8317059702), (1, 1.8411837813), (2, 3.0542369282)):
+            self.assertAlmostEqual(waves.first_extreme(order), expected, places=8)
+
+    @unittest.skipIf(numpy is None, "needs numpy")
+    def test_modes_of_a_round_tank_keep_volume_and_pass_no_wall(self):
+        random, step = numpy.random.default_rng(1), 1e-4
+        where = random.uniform((-0.15, 0, -0.15), (0.15, 0.2, 0.15), (50, 3))
+        angles = random.uniform(0, 6.28, 20)
+        for turns in (0, 1):
+            mode = waves.RoundWave(0.0125, turns).mode
+            divergence = sum((mode(where + step * along) - mode(where - step * along)) @ along for along in numpy.eye(3))
+            self.assertLess(abs(divergence / (2 * step)).max(), 1e-4)
+            rim = numpy.stack([waves.RADIUS * numpy.cos(angles), 0 * angles + 0.1, waves.RADIUS * numpy.sin(angles)], axis=1)
+            self.assertLess(abs((mode(rim) * rim)[:, [0, 2]].sum(axis=1)).max(), 1e-9)
+            self.assertLess(abs(mode(where * [1, 0, 1])[:, 1]).max(), 1e-12)
+            highest = mode(numpy.array([[waves.RADIUS if turns else 0, waves.ROUND_DEPTH, 0]]))
+            self.assertAlmostEqual(highest[0, 1], 1, places=9)
+
+
 @unittest.skipIf(numpy is None, "needs numpy")
 class Confined(unittest.TestCase):
     @staticmethod
