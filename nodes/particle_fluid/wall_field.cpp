@@ -96,7 +96,7 @@ void WallField::meet(const std::vector<const Boundary*>& boundaries, const Fluid
 
 void WallField::forgetImpulses() {
   for (Solid* solid : solids) solid->impulse().fillZero();
-  for (Array<SolidImpulse>* impulses : reporting_) impulses->fillZero();
+  for (Array<SolidImpulse>* sums : reporting_) sums->fillZero();
 }
 
 void FluidStep::findWalls() {

@@ -188,10 +188,10 @@ def round_tank(lab):
     and no loss. TwoProjections is held to it, the default solver stands beside."""
     spacings = lab.scale((0.025, 0.0166667, 0.0125), (0.0125, 0.01, 0.00625))
     fine = spacings[-1]
-    cases = [(f", {RADIUS / d:.0f} spacings of radius", RoundWave(d), "TwoProjections", 0.02) for d in spacings]
-    cases += [(f", {height:g} spacings high", RoundWave(fine, height=height), "TwoProjections", 0.02) for height in (0.75, 3)]
+    cases = [(f", {RADIUS / d:.0f} spacings of radius", RoundWave(d), "TwoProjections", 0.01) for d in spacings]
+    cases += [(f", {height:g} spacings high", RoundWave(fine, height=height), "TwoProjections", 0.01) for height in (0.75, 3)]
     cases += [(f" of the second mode, {RADIUS / d:.0f} spacings of radius", RoundWave(d, turns=0), "TwoProjections",
-               0.02 if d == fine else None) for d in spacings]
+               0.01 if d == fine else None) for d in spacings]
     cases.append((f", {RADIUS / fine:.0f} spacings of radius", RoundWave(fine), "AcceleratedSolver", None))
     rows, curves = [], []
     for (what, wave, solver, within), run in zip(cases, runs_of(lab, [(wave, solver) for _, wave, solver, _ in cases])):
