@@ -128,7 +128,7 @@ ANSWERS = {
     "The default solver": "0.2 % of compression, and weight",
     "Buoyancy": "Archimedes", "A tank that moves": "a tank that stands", "Energy": "a sum that may only fall",
     "A tank that turns": "the parabola ω²r²/2g", "Efflux from a hole": "Torricelli's law", "The front of a dam break": "an experiment",
-    "A full goblet": "no particle lost in 10 s", "A small wave": "potential flow", "Water in a U": "potential flow",
+    "A full goblet": "no particle lost in 10 s", "A small wave": "potential flow", "Waves in a round tank": "potential flow", "Water in a U": "potential flow",
     "A lid-driven cavity": "Ghia, Ghia and Shin (1982)", "A drop": "a sphere",
     "Pressure in drops": "Laplace's law", "A drop that swings": "Rayleigh's period", "Drops on a table": "the angle that is given",
     "Momentum": "a free blob",
