@@ -10,7 +10,7 @@ import { Hands, openPage, startServer, weir } from "./studio.mjs";
 
 const kLastFrame = 9;
 /** m. Coarser than the scene that comes with Weir, which takes seconds to build and to draw where there is no graphics card. */
-const kSpacing = 0.016;
+const kSpacing = 0.011;
 const kBroken = "nozzle.particles -> water.emitters";
 
 let server, browser, page, mistakes, hands, types, goblet;
@@ -136,7 +136,7 @@ step("the viscosity changes while the scene runs", async () => {
   await page.waitForFunction(() => document.querySelectorAll(".plot").length > 2);
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
   assert.equal(await state().innerText(), "playing");
-  await hands.set(hands.aside(), "spacing", "float", 0.018);
+  await hands.set(hands.aside(), "spacing", "float", 0.012);
   await page.locator(".reset-hint").filter({ hasText: "spacing" }).waitFor();
   await hands.pressInGraph("Control+z", "Control+z");
   await page.locator(".reset-hint").waitFor({ state: "hidden" });
