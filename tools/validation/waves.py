@@ -146,15 +146,32 @@ def loss_of(wave, times, values):
 
 def runs_of(lab, cases):
     """Of waves and solvers: each starts with water that this solver has brought to rest."""
-    def settings_of(wave, solver):
-        return {"let.spacing": str(wave.spacing), "water.solver.type": solver}
+    def settings_of(spacing, solver):
+        return {"let.spacing": str(spacing), "water.solver.type": solver}
 
-    rests = {(wave.spacing, solver): lab.run(f"{wave.scene}/rest_{solver}_{wave.spacing}", f"validation/{wave.scene}",
-                                             settings_of(wave, solver), export=True, frames=0)
-             for wave, solver in cases}
-    return [lab.run(f"{wave.scene}/{wave.name(solver)}",
-                    with_wave(lab, wave, rests[wave.spacing, solver], wave.name(solver)), settings_of(wave, solver), export=True)
+    scene = cases[0][0].scene
+    rests = {(spacing, solver): lab.run(f"{scene}/rest_{solver}_{spacing}", f"validation/{scene}", settings_of(spacing, solver),
+                                        export=True, frames=0)
+             for spacing, solver in dict.fromkeys((wave.spacing, solver) for wave, solver in cases)}
+    return [lab.run(f"{scene}/{wave.name(solver)}",
+                    with_wave(lab, wave, rests[wave.spacing, solver], wave.name(solver)), settings_of(wave.spacing, solver),
+                    export=True)
             for wave, solver in cases]
+
+
+def compared(lab, title, cases, shown, loss=None):
+    """The outcome of cases (what, wave, solver, within which share of the period): curves are of the wave that is `shown`, of which a
+    period takes less than `loss` where its period is held to something."""
+    rows, curves = [], [("closed form", [shown.period * k / 100 for k in range(131)],
+                         [math.cos(2 * math.pi * k / 100) for k in range(131)], "k-")]
+    for (what, wave, solver, within), run in zip(cases, runs_of(lab, [(wave, solver) for _, wave, solver, _ in cases])):
+        times, values = [frame["time"] for frame in run.series], amplitudes(wave, run)
+        rows += [Row(f"period{what}, {solver}", period_of(times, values), "s", wave.period, within),
+                 Row(f"share of the amplitude that a period takes{what}, {solver}", loss_of(wave, times, values),
+                     below=loss if wave == shown and within else None)]
+        if wave == shown:
+            curves.append((solver, times, [v / values[0] for v in values], "--"))
+    return Outcome(rows, (Chart(title, "time (s)", "amplitude", tuple(curves)),))
 
 
 def small_wave(lab):
@@ -168,18 +185,7 @@ def small_wave(lab):
              (", 0.75 spacings high", Wave(fine, height=0.75), "TwoProjections", 0.01),
              (", 3 spacings high", Wave(fine, height=3), "TwoProjections", 0.01),
              (" of the second mode", Wave(fine, halves=2), "TwoProjections", 0.01)]
-
-    runs = runs_of(lab, [(wave, solver) for _, wave, solver, _ in cases])
-    rows, curves = [], [("closed form", [main.period * k / 100 for k in range(131)],
-                         [math.cos(2 * math.pi * k / 100) for k in range(131)], "k-")]
-    for (what, wave, solver, within), run in zip(cases, runs):
-        times, values = [frame["time"] for frame in run.series], amplitudes(wave, run)
-        rows += [Row(f"period{what}, {solver}", period_of(times, values), "s", wave.period, within),
-                 Row(f"share of the amplitude that a period takes{what}, {solver}", loss_of(wave, times, values),
-                     below=0.03 if wave is main and within else None)]
-        if wave is main:
-            curves.append((solver, times, [v / values[0] for v in values], "--"))
-    return Outcome(rows, (Chart("A small wave", "time (s)", "amplitude", tuple(curves)),))
+    return compared(lab, "A small wave", cases, main, loss=0.03)
 
 
 def round_tank(lab):
@@ -193,13 +199,4 @@ def round_tank(lab):
     cases += [(f" of the second mode, {RADIUS / d:.0f} spacings of radius", RoundWave(d, turns=0), "TwoProjections",
                0.01 if d == fine else None) for d in spacings]
     cases.append((f", {RADIUS / fine:.0f} spacings of radius", RoundWave(fine), "AcceleratedSolver", None))
-    rows, curves = [], []
-    for (what, wave, solver, within), run in zip(cases, runs_of(lab, [(wave, solver) for _, wave, solver, _ in cases])):
-        times, values = [frame["time"] for frame in run.series], amplitudes(wave, run)
-        rows += [Row(f"period{what}, {solver}", period_of(times, values), "s", wave.period, within),
-                 Row(f"share of the amplitude that a period takes{what}, {solver}", loss_of(wave, times, values))]
-        if wave == RoundWave(fine):
-            curves.append((solver, times, [v / values[0] for v in values], "--"))
-    period = RoundWave(fine).period
-    curves.append(("closed form", [period * k / 100 for k in range(131)], [math.cos(2 * math.pi * k / 100) for k in range(131)], "k-"))
-    return Outcome(rows, (Chart("From side to side of a round tank", "time (s)", "amplitude", tuple(curves)),))
+    return compared(lab, "From side to side of a round tank", cases, RoundWave(fine))

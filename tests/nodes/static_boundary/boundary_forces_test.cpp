@@ -37,21 +37,28 @@ void nextFrame(SimulatedScene& scene) {
   ASSERT_TRUE(scene->advanceFrame(stop));
 }
 
-TEST_P(BoundaryForces, OfWaterAtRestAreHydrostatic) {
-  constexpr double kSide = 0.2, kDepth = 0.3;
-  SimulatedScene scene(*device, R"({"weir": 1,
+constexpr double kSide = 0.2, kDepth = 0.3;  // m, of water that stands at a wall
+
+/// That water, with more parameters of the wall.
+std::string waterAtAWall(const std::string& more = "") {
+  return R"({"weir": 1,
     "world": {"dt": 0.002, "frame_rate": 10, "duration": 0.2},
     "nodes": {
       "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.3, 0.2]}},
       "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.3, 0.6, 0.2],
                                                     "inverted": true, "report_forces": true}},
       "wall": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0.2, -0.1, -0.1], "max": [0.5, 0.6, 0.3],
-                                                    "report_forces": true, "pivot": [0.2, 0, 0.1]}},
+                                                    "report_forces": true, "pivot": [0.2, 0, 0.1])" +
+         more + R"(}},
       "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "bulk_modulus": 5e5},
                 "modules": {"solver": {"params": {"tolerance": 0.001, "iterations": 300,
                                                   "acceleration": "conjugate"}}}}},
     "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
-              "wall.boundary -> water.boundaries"]})");
+              "wall.boundary -> water.boundaries"]})";
+}
+
+TEST_P(BoundaryForces, OfWaterAtRestAreHydrostatic) {
+  SimulatedScene scene(*device, waterAtAWall());
   scene->reset();
   nextFrame(scene);
   nextFrame(scene);
@@ -65,26 +72,10 @@ TEST_P(BoundaryForces, OfWaterAtRestAreHydrostatic) {
   EXPECT_NEAR(wall.torque.z, -onWall * kDepth / 3, 0.03 * onWall * kDepth / 3);
 }
 
-/// The parts of a wall's area, each as wide as the wall, by their heights in m, and water before them.
 TEST_P(BoundaryForces, OfPartsOfAWallAreThoseOfTheWaterBeforeThem) {
-  constexpr double kSide = 0.2, kDepth = 0.3;
-  SimulatedScene scene(*device, R"({"weir": 1,
-    "world": {"dt": 0.002, "frame_rate": 10, "duration": 0.2},
-    "nodes": {
-      "block": {"type": "BoxSampler", "params": {"min": [0, 0, 0], "max": [0.2, 0.3, 0.2]}},
-      "tank": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0, 0, 0], "max": [0.3, 0.6, 0.2],
-                                                    "inverted": true}},
-      "wall": {"type": "StaticBoundary", "params": {"shape": "box", "min": [0.2, -0.1, -0.1], "max": [0.5, 0.6, 0.3],
-               "report_forces": true, "pivot": [0.2, 0, 0.1], "parts": [
-                 {"name": "foot", "min": [0, -1, -1], "max": [1, 0.1, 1]},
-                 {"name": "knee", "min": [0, 0.1, -1], "max": [1, 0.2, 1]},
-                 {"name": "rest", "min": [0, 0.2, -1], "max": [1, 1, 1]},
-                 {"name": "dry", "min": [0, 0.4, -1], "max": [1, 1, 1]}]}},
-      "water": {"type": "ParticleFluid", "params": {"spacing": 0.02, "bulk_modulus": 5e5},
-                "modules": {"solver": {"params": {"tolerance": 0.001, "iterations": 300,
-                                                  "acceleration": "conjugate"}}}}},
-    "links": ["block.particles -> water.initial", "tank.boundary -> water.boundaries",
-              "wall.boundary -> water.boundaries"]})");
+  SimulatedScene scene(*device, waterAtAWall(R"(, "parts": [
+    {"name": "foot", "min": [0, -1, -1], "max": [1, 0.1, 1]}, {"name": "knee", "min": [0, 0.1, -1], "max": [1, 0.2, 1]},
+    {"name": "rest", "min": [0, 0.2, -1], "max": [1, 1, 1]}, {"name": "dry", "min": [0, 0.4, -1], "max": [1, 1, 1]}])"));
   scene->reset();
   nextFrame(scene);
   nextFrame(scene);

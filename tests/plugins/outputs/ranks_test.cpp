@@ -111,7 +111,8 @@ constexpr const char* kHoney = R"({
     "block": { "type": "BoxSampler", "params": { "min": [0, 0, 0], "max": [0.4, 0.3, 0.2] } },
     "tank": { "type": "StaticBoundary",
               "params": { "shape": "box", "min": [0, 0, 0], "max": [1, 1, 0.2], "inverted": true,
-                          "friction": 0.1, "report_forces": true } },
+                          "friction": 0.1, "report_forces": true,
+                          "parts": [{ "name": "left", "min": [-1, -1, -1], "max": [0.2, 1, 1] }] } },
     "plane": { "type": "Gauge",
                "params": { "shape": "plane", "position": [0.4, 0.2, 0.1], "normal": [1, 0, 0] } },
     "water": { "type": "ParticleFluid", "params": { "spacing": 0.04 },
@@ -132,6 +133,10 @@ TEST_F(RanksTest, SoIsOneOfHoneyWithAGaugeOfTheFlowAndForcesOnTheTank) {
   // The floor carries the weight.
   const double weight = 1000 * 0.4 * 0.3 * 0.2 * 9.81;
   EXPECT_NEAR(nodes.find("tank")->find("force")->asArray()[1].asDouble(), -weight, 0.2 * weight);
+  // What stands at the left carries a part of it.
+  const double left = nodes.find("tank")->find("parts")->find("left")->find("force")->asArray()[1].asDouble();
+  EXPECT_LT(left, -0.2 * weight);
+  EXPECT_GT(left, -0.8 * weight);
 }
 
 TEST_F(RanksTest, SoIsOneInAMeshWithAStirrerAnEmitterAndADrain) {

@@ -117,7 +117,6 @@ class Waves(unittest.TestCase):
             self.assertLess(abs(mode(ends)[:, 0]).max(), 1e-12)
             self.assertLess(abs(mode(floor)[:, 1]).max(), 1e-12)
 
-
     def test_extremes_of_bessel_functions(self):
         # Abramowitz and Stegun, table 9.5.
         for order, expected in ((0, 3.8317059702), (1, 1.8411837813), (2, 3.0542369282)):
