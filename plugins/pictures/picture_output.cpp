@@ -90,6 +90,7 @@ class Pictures {
   }
 
   void write(SceneSnapshot& scene) {
+    frames_ = scene.frame;
     if (made_) addStill(scene);
     // What the pictures are made of is looked at on the host.
     const ParticlePlace place = made_ ? ParticlePlace::kHost : ParticlePlace::kWhereTheyAreDrawn;
@@ -101,6 +102,7 @@ class Pictures {
   }
 
   void write(const SceneSnapshot& scene, const CompositedFrame::Picture& of) {
+    frames_ = scene.frame;
     history_->add(scene.time, scene.plotted);
     draw(scene, of.key, [&] { return compositor_->draw(of.view, of.seen); });
     ++frames_;
@@ -251,7 +253,7 @@ class Pictures {
   // From here on what write() uses.
   double viewing_ = 0, drawing_ = 0, labelling_ = 0, handingOver_ = 0;  // s
   double frameRate_ = 0;                                                // of the run, where there is a video
-  std::int64_t frames_ = 0;  // drawn, those of the run that is resumed included
+  std::int64_t frames_ = 0;  // those before the one that is drawn, or is to be drawn next
   std::unique_ptr<PictureMaker> renderer_;
   std::unique_ptr<SceneView> view_;
   // In place of these, of ranks.

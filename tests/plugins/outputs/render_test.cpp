@@ -61,6 +61,18 @@ class RenderCommand : public testing::Test {
 
 std::unique_ptr<TemporaryFolder> RenderCommand::files_;
 
+TEST_F(RenderCommand, ImagesThatBeginWithAResumedRunHaveTheNumbersOfItsFrames) {
+  const std::string scene = *files_ / "scene.json", checkpoint = folder / "run.h5";
+  const ChildResult first = runWeir({"run", scene, "--quiet", "--device", "cpu", "--threads", "2", "--frames",
+                                     "3", "--checkpoint", checkpoint, "--checkpoint-every", "3"});
+  ASSERT_EQ(first.code, 0) << first.err;
+  const ChildResult second = runWeir({"run", scene, "--quiet", "--device", "cpu", "--threads", "2",
+                                      "--frames", "5", "--resume", checkpoint, "--images", images});
+  ASSERT_EQ(second.code, 0) << second.err;
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_EQ(fs::exists(images + nameOf(frame)), frame == 4 || frame == 5) << frame;
+}
+
 TEST_F(RenderCommand, ShowsWhatTheRunShowed) {
   std::vector<std::string> more{"--images", images};
   if (canMakeVideos()) more.insert(more.end(), {"--video", folder / "run.mp4"});
