@@ -20,18 +20,16 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "validation"))
 
-from lab import GRAVITY, Lab  # noqa: E402
-from in_motion import Efflux, line  # noqa: E402
+from lab import Lab  # noqa: E402
+from in_motion import Efflux  # noqa: E402
 
 
 def row(tank, result, spacing, ratio):
-    import numpy
-    times, level, speed, core, fall, flux = tank.over_time(result, spacing)
-    slope, _ = line(times, numpy.sqrt(level))
-    ideal = math.pi * tank.hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
+    table = tank.over_time(result, spacing)
+    _, _, speed, core, fall, _ = table
+    by_level, by_flux, _ = tank.discharge(table)
     return (f"| {1000 * spacing:g} | {ratio:g} | {100 * (speed.mean() / fall.mean() - 1):+.1f} "
-            f"| {100 * (core.mean() / fall.mean() - 1):+.1f} "
-            f"| {-slope * (tank.inner / tank.hole) ** 2 / math.sqrt(GRAVITY / 2):.3f} | {(flux / ideal).mean():.3f} |")
+            f"| {100 * (core.mean() / fall.mean() - 1):+.1f} | {by_level:.3f} | {by_flux:.3f} |")
 
 
 def pairs(positions, radius):

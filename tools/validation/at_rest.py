@@ -2,7 +2,7 @@
 
 import math
 
-from lab import DENSITY, GRAVITY, SCENES, Chart, Outcome, Row, mean, mean_force, node  # first: it finds the next two
+from lab import DENSITY, GRAVITY, SCENES, Chart, Outcome, Row, mean, mean_force  # first: it finds the next two
 import quantities
 import scene as scenes
 
@@ -55,29 +55,38 @@ def enough(spacing):
     return math.ceil(40 * (0.02 / spacing) ** 2)
 
 
+DEPTH, WIDTH, PLATE = 0.3, 0.2, 0.05  # m, of the water of wall_force, and how high its plates are
+BOTTOM = DENSITY * GRAVITY * DEPTH  # Pa
+HEIGHTS = [PLATE * (k + 0.5) for k in range(6)]  # of the plates that are under water
+
+
+def pressures_on(forces):
+    """Pa on each plate that is under water."""
+    return [forces[f"plate{k}"][0] / (PLATE * WIDTH) for k in range(len(HEIGHTS))]
+
+
+def rows_of_wall(result, label, demanded=True):
+    """What the wall and the ground bear after 0.7 s."""
+    forces = mean_force(result.series, "wall", 0.7)
+    weight = mean_force(result.series, "ground", 0.7)["tank"][1] + sum(f[1] for f in forces.values())
+    worst = max(abs(p - BOTTOM + DENSITY * GRAVITY * y) for y, p in zip(HEIGHTS, pressures_on(forces))) / BOTTOM
+    return [Row(f"force on the wall, {label}", sum(f[0] for f in forces.values()), "N",
+                BOTTOM * DEPTH / 2 * WIDTH, 0.03 if demanded else None),
+            Row(f"weight on the tank, {label}", -weight, "N", BOTTOM * WIDTH ** 2, 0.01 if demanded else None),
+            Row(f"worst plate, error over the pressure at the bottom, {label}", worst, below=0.05 if demanded else None)]
+
+
 def wall_force(lab):
     """The wall is a stack of plates. With few iterations the pressure has not spread through the water yet: what is
     missing of the weight is momentum that the iterations have not passed on."""
-    depth, width, plate = 0.3, 0.2, 0.05
-    bottom = DENSITY * GRAVITY * depth
-    heights = [plate * (k + 0.5) for k in range(6)]
     runs = {(spacing, iterations): lab.run(f"wall_force/{spacing}_{iterations}", "validation/wall_force",
                                            {"water.spacing": str(spacing), "water.solver.iterations": str(iterations)})
             for spacing in lab.scale((0.02, 0.0125), (0.02, 0.01, 0.005)) for iterations in (enough(spacing), 3)}
-    rows, curves = [], [("ρg(h − y)", [0, bottom], [depth, 0], "-")]
+    rows, curves = [], [("ρg(h − y)", [0, BOTTOM], [DEPTH, 0], "-")]
     for (spacing, iterations), result in runs.items():
-        demanded = iterations > 3
-        forces = mean_force(result.series, "wall", 0.7)
-        weight = mean_force(result.series, "ground", 0.7)["tank"][1] + sum(f[1] for f in forces.values())
-        pressures = [forces[f"plate{k}"][0] / (plate * width) for k in range(6)]
-        worst = max(abs(p - bottom + DENSITY * GRAVITY * y) for y, p in zip(heights, pressures)) / bottom
         label = f"d = {1000 * spacing:g} mm, {iterations} iterations"
-        rows += [Row(f"force on the wall, {label}", sum(f[0] for f in forces.values()), "N",
-                     bottom * depth / 2 * width, 0.03 if demanded else None),
-                 Row(f"weight on the tank, {label}", -weight, "N", bottom * width ** 2, 0.01 if demanded else None),
-                 Row(f"worst plate, error over the pressure at the bottom, {label}", worst,
-                     below=0.05 if demanded else None)]
-        curves.append((label, pressures, heights, "o" if demanded else "x"))
+        rows += rows_of_wall(result, label, iterations > 3)
+        curves.append((label, pressures_on(mean_force(result.series, "wall", 0.7)), HEIGHTS, "o" if iterations > 3 else "x"))
     return Outcome(rows, (Chart("Pressure on a wall", "pressure (Pa)", "height (m)", tuple(curves)),))
 
 
@@ -87,29 +96,29 @@ def volume_of_revolution(profile, segments):
     return abs(cones) / 6 * segments * math.sin(2 * math.pi / segments)
 
 
+def rows_of_ball(results, label):
+    """Of several fillings, in the third second."""
+    ball = scenes.parameter(scenes.read(SCENES / "validation" / "held_sphere.json"), "ball.profile")
+    expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
+    forces = [mean_force(result.series, "held", 2.0)["ball"] for result in results]
+    force = [mean(axis) for axis in zip(*forces)]
+    upwards = [f[1] for f in forces]
+    label = f"{label}, {len(results)} fillings"
+    return [Row(f"buoyancy, {label}", force[1], "N", expected, 0.03),
+            Row(f"its largest less its least as a share of it, {label}", (max(upwards) - min(upwards)) / expected),
+            Row(f"horizontal force as a share of the buoyancy, {label}",
+                math.hypot(force[0], force[2]) / expected, below=0.02)]
+
+
 def held_sphere(lab):
     """A ball held under water that is at rest: Archimedes, and no force to any side. Particles at rest bear some stress
     in whatever arrangement they came to, so the force differs from filling to filling; this is the mean over fillings.
     The stress creeps away for seconds, so what counts is the third second."""
-    scene = scenes.read(SCENES / "validation" / "held_sphere.json")
-    ball = scenes.parameter(scene, "ball.profile")
-    expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
     runs = {spacing: [lab.run(f"held_sphere/{spacing}_{seed}", "validation/held_sphere",
                               {"water.spacing": str(spacing), "water.solver.iterations": str(enough(spacing)),
                                "world.seed": str(seed)}) for seed in range(1, fillings + 1)]
             for spacing, fillings in lab.scale(((0.02, 24), (0.013, 8)), ((0.02, 24), (0.013, 8), (0.005, 1)))}
-    rows = []
-    for spacing, results in runs.items():
-        fillings = len(results)
-        forces = [mean_force(result.series, "held", 2.0)["ball"] for result in results]
-        force = [mean(axis) for axis in zip(*forces)]
-        upwards = [f[1] for f in forces]
-        label = f"d = {1000 * spacing:g} mm, {fillings} fillings"
-        rows += [Row(f"buoyancy, {label}", force[1], "N", expected, 0.03),
-                 Row(f"its largest less its least as a share of it, {label}", (max(upwards) - min(upwards)) / expected),
-                 Row(f"horizontal force as a share of the buoyancy, {label}",
-                     math.hypot(force[0], force[2]) / expected, below=0.02)]
-    return Outcome(rows)
+    return Outcome([row for spacing, results in runs.items() for row in rows_of_ball(results, f"d = {1000 * spacing:g} mm")])
 
 
 def relative_kinetic(report, velocity):
@@ -162,29 +171,3 @@ def sloshing(lab):
         curves += [(f"total, {calibration}", times, total, "C0" + style),
                    (f"kinetic, {calibration}", times, kinetic, "C1" + style)]
     return Outcome(rows, (Chart("Energy in a closed tank", "time (s)", "energy (J)", tuple(curves)),))
-
-
-def farthest(values, expected):
-    """That of them which is farthest from what is expected."""
-    return max(values, key=lambda value: abs(value - expected))
-
-
-def default_solver(lab):
-    """A tank at rest and a dam that breaks, of scenes that say nothing of their solver or stiffness: how much the water is
-    compressed in any frame from 0.2 s on, and what it weighs on its tank, at three spacings and three steps each."""
-    steps, spacings = (0.001, 0.003, 0.01), lab.scale((0.04, 0.03, 0.025), (0.03, 0.02, 0.01))
-    common = {"water.support_ratio": "2", "tank.report_forces": "true", "world.duration": "0.4", "world.frame_rate": "20"}
-    runs = {(scene, d): [lab.run(f"default_solver/{scene}_{d}_{dt}", scene,
-                                 {**common, "water.spacing": str(d), "world.dt": str(dt)}) for dt in steps]
-            for scene in ("tank_at_rest", "dam_break") for d in spacings}
-    rows = []
-    for (scene, d), results in runs.items():
-        late = [[frame for frame in result.series if frame["time"] > 0.1999] for result in results]
-        label = f"{'tank' if scene == 'tank_at_rest' else 'dam'}, d = {1000 * d:g} mm, steps of 1, 3 and 10 ms"
-        rows.append(Row(f"largest mean compression, {label}",
-                        max(node(frame, "water")["compression"]["mean"] for frames in late for frame in frames), below=0.002))
-        if scene == "tank_at_rest":
-            weight = DENSITY * GRAVITY * node(late[0][0], "water")["fluid_volume"]
-            found = [mean(-node(frame, "tank")["force"][1] for frame in frames) for frames in late]
-            rows.append(Row(f"weight on the tank, farthest, {label}", farthest(found, weight), "N", weight, 0.01))
-    return Outcome(rows)

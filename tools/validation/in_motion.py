@@ -2,7 +2,7 @@
 
 import math
 
-from lab import GRAVITY, SCENES, Chart, Outcome, Row, exported  # first: it finds those of tools/paper
+from lab import GRAVITY, SCENES, Chart, Outcome, Row, exported, mean  # first: it finds those of tools/paper
 from at_rest import volume_of_revolution
 import figures
 import quantities
@@ -39,29 +39,41 @@ def surface(positions, spacing, radius):
     return numpy.hypot(points[:, 0], points[:, 2]), points[:, 1] + spacing / 2
 
 
+class Turning:
+    """The tank that turns (rad/s, m), and what was measured of a run of it."""
+
+    def __init__(self):
+        scene = scenes.read(SCENES / "validation" / "rotating_tank.json")
+        self.omega = scenes.parameter(scene, "walls.angular_velocity")[1]
+        self.radius = scenes.parameter(scene, "tank.profile")[1][0]
+
+    def rows_of(self, result, spacing, label):
+        particles = exported(result.folder, -1)
+        x, _, z = particles.positions.T
+        turning = float((z * particles.velocities[:, 0] - x * particles.velocities[:, 2]).sum() / (x * x + z * z).sum())
+        r, heights = surface(particles.positions, spacing, self.radius)
+        slope, _ = line(r * r, heights)
+        return [Row(f"angular velocity of the water, {label}", turning, "rad/s", self.omega, 0.03),
+                Row(f"curvature of the surface against ω²/2g of the water, dh/d(r²), {label}", slope, "1/m",
+                    turning ** 2 / (2 * GRAVITY), 0.03)]
+
+
 def rotating_tank(lab):
     """With walls that water sticks to, all of it turns with the tank in the end, and its surface is z0 + ω²r²/2g."""
     import numpy
-    scene = scenes.read(SCENES / "validation" / "rotating_tank.json")
-    omega, radius = scenes.parameter(scene, "walls.angular_velocity")[1], scenes.parameter(scene, "tank.profile")[1][0]
+    tank = Turning()
     spacing = lab.scale(0.0075, 0.004)
     runs = {ratio: lab.run(f"rotating_tank/{ratio}", "validation/rotating_tank",
                            {"water.spacing": str(spacing), "water.support_ratio": str(ratio)}, export=True)
             for ratio in (1.5, 2.0)}
     rows, curves = [], []
     for ratio, result in runs.items():
-        particles = exported(result.folder, -1)
-        x, _, z = particles.positions.T
-        turning = (z * particles.velocities[:, 0] - x * particles.velocities[:, 2]).sum() / (x * x + z * z).sum()
-        r, heights = surface(particles.positions, spacing, radius)
-        slope, _ = line(r * r, heights)
-        rows += [Row(f"angular velocity of the water, H = {ratio}d", float(turning), "rad/s", omega, 0.03),
-                 Row(f"curvature of the surface against ω²/2g of the water, dh/d(r²), H = {ratio}d", slope, "1/m",
-                     float(turning) ** 2 / (2 * GRAVITY), 0.03)]
+        rows += tank.rows_of(result, spacing, f"H = {ratio}d")
+        r, heights = surface(exported(result.folder, -1).positions, spacing, tank.radius)
         curves.append((f"surface, H = {ratio}d", r, heights, "." if ratio == 1.5 else "x"))
         if ratio == 1.5:
-            fine = numpy.linspace(0, radius, 40)
-            level = heights.mean() + omega ** 2 * (fine ** 2 - (r * r).mean()) / (2 * GRAVITY)
+            fine = numpy.linspace(0, tank.radius, 40)
+            level = heights.mean() + tank.omega ** 2 * (fine ** 2 - (r * r).mean()) / (2 * GRAVITY)
             curves.append(("ω²r²/2g", fine, level, "-"))
     return Outcome(rows, (Chart("Surface of turning water", "r (m)", "height (m)", tuple(curves)),))
 
@@ -100,6 +112,28 @@ class Efflux:
                           -velocity[jet, 1].sum() * spacing ** 3 / self.hole))
         return numpy.array(table).T
 
+    def discharge(self, table):
+        """The coefficient by the fall of the level and by the flux of the jet, and by how much the root of the level leaves a
+        straight line, over its start."""
+        import numpy
+        times, level, _, _, _, flux = table
+        slope, start = line(times, numpy.sqrt(level))
+        ideal = math.pi * self.hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
+        return (-slope * (self.inner / self.hole) ** 2 / math.sqrt(GRAVITY / 2), float((flux / ideal).mean()),
+                float(abs(numpy.sqrt(level) - start - slope * times).max() / start))
+
+    def rows_of(self, table, label, demanded):
+        """Of what over_time() has; the speed is held to Torricelli's where that is demanded."""
+        _, _, speed, core, fall, _ = table
+        by_level, by_flux, bent = self.discharge(table)
+        return [Row(f"speed of the contracted jet, mean from 0.3 s on, {label}", float(speed.mean()), "m/s",
+                    float(fall.mean()), 0.05 if demanded else None),
+                Row(f"the same in the core of the jet, half as wide, {label}", float(core.mean()), "m/s",
+                    float(fall.mean())),
+                Row(f"deviation of √level from a straight line, {label}", bent, below=0.02),
+                Row(f"coefficient of discharge by the fall of the level, {label}", by_level),
+                Row(f"the same by the flux of the jet, {label}", by_flux)]
+
 
 def efflux(lab):
     """A round tank with a sharp-edged hole in its bottom, eight spacings wide. Where the jet has contracted, one diameter
@@ -107,60 +141,62 @@ def efflux(lab):
     water in the tank over its area, falls linearly with time; its slope and the jet's flux give the same coefficient of
     discharge, 0.6 to 0.65 for a sharp edge. Particles keep a distance from the edge, which narrows the hole. Holes of fewer
     than eight spacings are there to show what the spacing does."""
-    import numpy
     tank = Efflux()
-    hole, inner = tank.hole, tank.inner
     runs = {(spacing, ratio): tank.run(lab, spacing, ratio)
             for spacing, ratio in lab.scale(((0.016, 1.5), (0.0133, 1.5), (0.01, 1.5), (0.01, 2.0), (0.01, 2.4)),
                                             ((0.01, 1.5), (0.005, 1.5), (0.01, 2.0), (0.005, 2.0), (0.01, 2.4)))}
     rows, speeds, levels = [], [], []
     for (spacing, ratio), result in runs.items():
-        times, level, speed, core, fall, flux = tank.over_time(result, spacing)
-        slope, start = line(times, numpy.sqrt(level))
-        label = f"d = {1000 * spacing:g} mm, H = {ratio}d"
-        ideal = math.pi * hole ** 2 * numpy.sqrt(2 * GRAVITY * level)
-        rows += [Row(f"speed of the contracted jet, mean from 0.3 s on, {label}", float(speed.mean()), "m/s",
-                     float(fall.mean()), 0.05 if 8 * spacing <= 2 * hole else None),
-                 Row(f"the same in the core of the jet, half as wide, {label}", float(core.mean()), "m/s",
-                     float(fall.mean())),
-                 Row(f"deviation of √level from a straight line, {label}",
-                     float(abs(numpy.sqrt(level) - start - slope * times).max() / start), below=0.02),
-                 Row(f"coefficient of discharge by the fall of the level, {label}",
-                     -slope * (inner / hole) ** 2 / math.sqrt(GRAVITY / 2)),
-                 Row(f"the same by the flux of the jet, {label}", float((flux / ideal).mean()))]
-        if 8 * spacing <= 2 * hole:
+        table = tank.over_time(result, spacing)
+        times, level, speed, _, fall, _ = table
+        label, resolved = f"d = {1000 * spacing:g} mm, H = {ratio}d", 8 * spacing <= 2 * tank.hole
+        rows += tank.rows_of(table, label, resolved)
+        if resolved:
             speeds += [(f"jet, H = {ratio}d", times, speed, "."), (f"√(2g·depth), H = {ratio}d", times, fall, "-")]
         levels.append((label, times, level, "-"))
     return Outcome(rows, (Chart("Jet, one diameter below the hole", "time (s)", "speed (m/s)", tuple(speeds)),
                           Chart("Level in the tank", "time (s)", "height (m)", tuple(levels))))
 
 
+class Column:
+    """The column that falls: its width, the unit of lengths, and that of times (m, s), and what was measured of a run of it."""
+
+    def __init__(self):
+        self._size = scenes.parameter(scenes.read(SCENES / "validation" / "dam_front.json"), "column.max")
+        self.width = self._size[0]
+        self.time = math.sqrt(self.width / (2 * GRAVITY))
+
+    def front(self, result, parts):
+        """Times, and where one row of particles lies farther; in these units."""
+        import numpy
+        spacing = self.width / parts
+        row = round(self._size[2] / spacing)
+        times = [frame["time"] / self.time for frame in result.series]
+        return times, [float(numpy.sort(exported(result.folder, k).positions[:, 0])[-row] + spacing / 2) / self.width
+                       for k in range(len(times))]
+
+    @staticmethod
+    def rows_of(times, fronts, label):
+        late = [(t, x) for t, x in MARTIN_MOYCE if t > 2.5]
+        speed, _ = line(*zip(*late))
+        ours, _ = line(*zip(*((t, x) for t, x in zip(times, fronts) if late[0][1] <= x <= late[-1][1])))
+        lead = [t - interpolated(x, fronts, times) for t, x in late]
+        return [Row(f"speed of the front from x = 3a to 10a, in √(2ga), {label}", ours, "", speed, 0.1),
+                Row(f"time by which our front is early, mean, in √(a/2g), {label}", mean(lead)),
+                Row(f"the same, largest less least, {label}", max(lead) - min(lead))]
+
+
 def dam_front(lab):
     """A column of water twice as high as wide falls; its front is where one row of particles lies farther. The gate of
     the experiment needed time to open, so the front may be early by a constant; its speed may not differ."""
-    import numpy
-    scene = scenes.read(SCENES / "validation" / "dam_front.json")
-    size = scenes.parameter(scene, "column.max")
-    a = size[0]
-    unit = math.sqrt(a / (2 * GRAVITY))
-    runs = {parts: lab.run(f"dam_front/{parts}", "validation/dam_front", {"water.spacing": f"{a / parts:.8g}"}, export=True)
-            for parts in lab.scale((20,), (20, 40))}
+    column = Column()
+    runs = {parts: lab.run(f"dam_front/{parts}", "validation/dam_front", {"water.spacing": f"{column.width / parts:.8g}"},
+                           export=True) for parts in lab.scale((20,), (20, 40))}
     rows, curves = [], [("Martin and Moyce 1952", *zip(*MARTIN_MOYCE), "ks")]
     for parts, result in runs.items():
-        spacing = a / parts
-        row = round(size[2] / spacing)
-        times = [frame["time"] / unit for frame in result.series]
-        fronts = [float(numpy.sort(exported(result.folder, k).positions[:, 0])[-row] + spacing / 2) / a
-                  for k in range(len(times))]
-        late = [(t, x) for t, x in MARTIN_MOYCE if t > 2.5]
-        speed, _ = line(*zip(*late))
-        window = [(t, x) for t, x in zip(times, fronts) if late[0][1] <= x <= late[-1][1]]
-        ours, _ = line(*zip(*window))
+        times, fronts = column.front(result, parts)
         label = f"a/d = {parts}"
-        rows.append(Row(f"speed of the front from x = 3a to 10a, in √(2ga), {label}", ours, "", speed, 0.1))
-        lead = [t - interpolated(x, fronts, times) for t, x in late]
-        rows.append(Row(f"time by which our front is early, mean, in √(a/2g), {label}", float(numpy.mean(lead))))
-        rows.append(Row(f"the same, largest less least, {label}", max(lead) - min(lead)))
+        rows += column.rows_of(times, fronts, label)
         curves.append((f"Weir, {label}", times, fronts, "-"))
     return Outcome(rows, (Chart("The front of a falling column", "t·√(2g/a)", "x/a", tuple(curves)),))
 

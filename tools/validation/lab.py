@@ -125,29 +125,37 @@ class Lab:
     def __exit__(self, *_):
         self._pool.shutdown(cancel_futures=True)
 
-    def run(self, name, scene, settings=None, **options):
+    def run(self, name, scene, settings=None, defaults=False, **options):
         """The results of a scene in resources/scenes, with settings for --set, once they are there: checks start all of
-        their runs before they look at the first."""
-        return Pending(self._pool.submit(self._run, name, scene, settings, options))
+        their runs before they look at the first. With `defaults`: of the scene as if it said nothing of its solver."""
+        return Pending(self._pool.submit(self._run, name, scene, settings, defaults, options))
 
-    def _with_solver(self, name, scene):
-        """A copy of the scene whose fluids have this lab's solver, with its defaults, and no artificial viscosity."""
+    def _as_run(self, name, scene, defaults):
+        """The path of the scene, or of a copy: with `defaults` its fluids say nothing of a solver or a support ratio; this
+        lab's solver, if there is one, they have with its defaults, and then no artificial viscosity."""
+        if not (defaults or self._solver):
+            return scene
         changed = scenes.read(scene)
         for fluid in changed["nodes"].values():
-            if fluid["type"] == "ParticleFluid":
+            if fluid["type"] != "ParticleFluid":
+                continue
+            if defaults:
+                fluid["params"].pop("support_ratio", None)
+                fluid.get("modules", {}).pop("solver", None)
+            if self._solver:
                 fluid.setdefault("modules", {}).update(solver={"type": self._solver}, viscosity={"enabled": False})
         made = self.out / "scenes" / f"{name}.json"
         made.parent.mkdir(parents=True, exist_ok=True)
         made.write_text(json.dumps(changed), encoding="utf-8")
         return made
 
-    def _run(self, name, scene, settings, options):
+    def _run(self, name, scene, settings, defaults, options):
         options["pictures"] = self._pictures and options.get("pictures", False)
         if not self.reuse:
             shutil.rmtree(self.out / name, ignore_errors=True)
-        scene = SCENES / f"{scene}.json"
-        result, seconds = program.run(self.weir, self._with_solver(name, scene) if self._solver else scene, self.out / name,
-                                      settings or {}, self.device, threads=self.threads, limit=self._limit, **options)
+        scene = self._as_run(name, SCENES / f"{scene}.json", defaults)
+        result, seconds = program.run(self.weir, scene, self.out / name, settings or {}, self.device, threads=self.threads,
+                                      limit=self._limit, **options)
         with self._lock:
             if result.stats:
                 self.seconds += result.stats["wall_seconds"]

@@ -15,6 +15,7 @@ from typing import Callable
 from lab import ROOT, Lab, Outcome, Row
 import at_rest
 import confined
+import defaults
 import floating
 import in_motion
 import kept
@@ -46,7 +47,6 @@ CHECKS = [
     Check("settled_volume", "Settled volume", at_rest.settled_volume),
     Check("block_at_rest", "A block at rest", at_rest.block_at_rest),
     Check("wall_force", "Hydrostatic pressure", at_rest.wall_force),
-    Check("default_solver", "The default solver", at_rest.default_solver, long=True),
     Check("held_sphere", "Buoyancy", at_rest.held_sphere, long=True),
     Check("moving_tank", "A tank that moves", at_rest.moving_tank),
     Check("sloshing", "Energy", at_rest.sloshing),
@@ -62,6 +62,12 @@ CHECKS = [
     Check("laplace", "Pressure in drops", surfaces.laplace),
     Check("swinging_drop", "A drop that swings", surfaces.swinging_drop),
     Check("sessile_drop", "Drops on a table", surfaces.sessile_drop),
+    Check("default_solver", "The default solver", defaults.default_solver, long=True),
+    Check("default_wall_force", "Hydrostatic pressure, by default", defaults.default_wall_force, long=True),
+    Check("default_held_sphere", "Buoyancy, by default", defaults.default_held_sphere, long=True),
+    Check("default_rotating_tank", "A tank that turns, by default", defaults.default_rotating_tank, long=True),
+    Check("default_efflux", "Efflux from a hole, by default", defaults.default_efflux, long=True),
+    Check("default_dam_front", "The front of a dam break, by default", defaults.default_dam_front),
     Check("momentum", "Momentum", in_motion.momentum),
     Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
     Check("couette", "Couette flow", without_ends.couette),

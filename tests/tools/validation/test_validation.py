@@ -17,6 +17,7 @@ sys.path.insert(0, str(ROOT / "tools" / "validation"))
 import validate  # noqa: E402  (it finds all others)
 import at_rest  # noqa: E402
 import confined  # noqa: E402
+import defaults  # noqa: E402
 import in_motion  # noqa: E402
 import kept  # noqa: E402
 import program  # noqa: E402
@@ -172,6 +173,56 @@ class Confined(unittest.TestCase):
         self.assertAlmostEqual(found[1], 0.12 - 40 * 0.03 ** 2)
 
 
+class Defaults(unittest.TestCase):
+    def test_steps_end_with_the_longest_that_is_not_warned_of(self):
+        # A particle falls 20 mm in 63.9 ms.
+        for found, expected in zip(defaults.steps_of(0.02), (0.001775, 0.005324, 0.015972)):
+            self.assertAlmostEqual(found, expected, places=6)
+
+    def test_frames_are_whole_numbers_of_steps_and_near_the_rate(self):
+        for spacing, rate in ((0.02, 10), (0.00286, 200), (0.04, 50)):
+            for dt in defaults.steps_of(spacing):
+                settings = defaults.settings_of(spacing, dt, rate)
+                steps = 1 / float(settings["world.frame_rate"]) / float(settings["world.dt"])
+                self.assertAlmostEqual(steps, round(steps), places=9)
+                self.assertGreater(steps, 0.9)
+                self.assertLess(float(settings["world.frame_rate"]), 1.1 * rate)
+
+    def test_of_several_steps_the_farthest_number_counts(self):
+        def rows_of(measured, _, label):
+            force, share = measured
+            return [Row(f"force, {label}", force, "N", 10, 0.03), Row(f"told, {label}", 7),
+                    Row(f"share, {label}", share, below=0.05)]
+
+        def rows(*measured):
+            return defaults.farthest((0.02, dict(zip((0.001, 0.003, 0.01), measured))), rows_of)[0]
+
+        force, share = rows((10.1, 0.02), (9.5, 0.03), (10.4, 0.01))
+        self.assertEqual((force.what, force.measured, force.passed), ("force, d = 20 mm, steps of 1, 3, 10 ms", 9.5, False))
+        self.assertEqual((share.measured, share.passed), (0.03, True))
+        for at in range(3):
+            measured = [(10.0, 0.0)] * 3
+            measured[at] = (math.nan, math.nan)
+            self.assertEqual([row.passed for row in rows(*measured)], [False, False])
+
+    def test_each_check_runs_three_steps_at_each_of_three_spacings_by_default(self):
+        class Stub:
+            scale = staticmethod(lambda quick, full: quick)
+
+            def run(self, name, scene, settings, **options):
+                asked.append((name, scene, settings["water.spacing"], settings["world.dt"], options["defaults"]))
+
+        for check in (check for check in validate.CHECKS if check.key.startswith("default_")):
+            asked = []
+            with contextlib.suppress(AttributeError):  # there are no results to judge
+                check.run(Stub())
+            self.assertEqual(len(set(asked)), len({name for name, *_ in asked}), check.key)
+            self.assertEqual({by_default for *_, by_default in asked}, {True}, check.key)
+            for scene in {scene for _, scene, *_ in asked}:
+                self.assertEqual(len({(d, dt) for _, s, d, dt, _ in asked if s == scene}), 9, check.key)
+                self.assertEqual(len({d for _, s, d, _, _ in asked if s == scene}), 3, check.key)
+
+
 class Checks(unittest.TestCase):
     def test_every_check_says_what_it_compares_and_has_a_key_of_its_own(self):
         keys = [check.key for check in validate.CHECKS]
@@ -237,6 +288,11 @@ class Checks(unittest.TestCase):
             self.assertEqual(scene["nodes"]["water"]["modules"],
                              {"solver": {"type": "TwoProjections"}, "viscosity": {"enabled": False}})
             self.assertEqual(scene["nodes"]["vessel"], scenes.read(SCENES / "validation" / "efflux.json")["nodes"]["vessel"])
+            plain = scenes.read(lab.run("drop/3", "validation/efflux", defaults=True).stats["seen"][1])["nodes"]
+            self.assertEqual(plain["water"], {"type": "ParticleFluid", "params": {"spacing": 0.01},
+                                              "modules": {"viscosity": {"params": {"rate": 0}}}})
+            both = scenes.read(changed.run("drop/3", "validation/efflux", defaults=True).stats["seen"][1])["nodes"]
+            self.assertEqual(both["water"]["modules"], scene["nodes"]["water"]["modules"])
             undrawn = Lab(stand_in, Path(folder) / "out", "cpu", 2, False, lambda text: None, pictures=False)
             self.assertNotIn("--images", undrawn.run("drop/1", "validation/drop", pictures=True).stats["seen"])
 
