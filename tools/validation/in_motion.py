@@ -79,13 +79,15 @@ def rotating_tank(lab):
 
 
 class Efflux:
-    """The geometry of the tank with a hole (m), and what was measured of runs of it."""
+    """The geometry of the tank with a hole (m), and what was measured of runs of it. A hole has at least this radius."""
 
-    def __init__(self):
+    def __init__(self, hole=0):
         scene = scenes.read(SCENES / "validation" / "efflux.json")
-        (self.hole, _), (outer, _), _ = scenes.parameter(scene, "vessel.profile")
+        (radius, bottom), *wall = scenes.parameter(scene, "vessel.profile")
+        self.hole = max(radius, hole)
+        self.profile = [[self.hole, bottom], *wall]
         self.floor = scenes.parameter(scene, "vessel.thickness")
-        self.inner = outer - self.floor
+        self.inner = self.profile[1][0] - self.floor
 
     @staticmethod
     def run(lab, spacing, ratio, settings=None, name=""):
