@@ -96,11 +96,11 @@ def volume_of_revolution(profile, segments):
     return abs(cones) / 6 * segments * math.sin(2 * math.pi / segments)
 
 
-def rows_of_ball(results, label):
-    """Of several fillings, in the third second."""
+def rows_of_ball(results, label, after=2.0):
+    """Of several fillings, by means after that many seconds."""
     ball = scenes.parameter(scenes.read(SCENES / "validation" / "held_sphere.json"), "ball.profile")
     expected = DENSITY * GRAVITY * volume_of_revolution(ball, 64)
-    forces = [mean_force(result.series, "held", 2.0)["ball"] for result in results]
+    forces = [mean_force(result.series, "held", after)["ball"] for result in results]
     force = [mean(axis) for axis in zip(*forces)]
     upwards = [f[1] for f in forces]
     label = f"{label}, {len(results)} fillings"
