@@ -14,6 +14,7 @@ from typing import Callable
 
 from lab import ROOT, Lab, Outcome, Row
 import at_rest
+import coiling
 import confined
 import defaults
 import floating
@@ -72,6 +73,7 @@ CHECKS = [
     Check("poiseuille", "Poiseuille flow", without_ends.poiseuille),
     Check("couette", "Couette flow", without_ends.couette),
     Check("taylor_green", "Taylor–Green vortices", without_ends.taylor_green),
+    Check("coiling", "A rope of honey", coiling.coiling, long=True),
     Check("released_ball", "Added mass", floating.released_ball),
     Check("floating_cube", "Draught of floating bodies", floating.floating_cube, long=True),
     Check("floating_beam", "Attitudes of a floating beam", floating.floating_beam, long=True),
