@@ -225,14 +225,21 @@ class Defaults(unittest.TestCase):
 
 @unittest.skipIf(numpy is None, "needs numpy")
 class Coiling(unittest.TestCase):
-    def test_the_turns_of_a_rope_are_counted_in_either_sense(self):
+    def test_the_frequency_of_a_whirl_is_that_of_its_ellipse(self):
+        times = [0.28 + 0.0025 * k for k in range(89)]
         for sense in (1, -1):
-            series = [{"time": 0.0025 * k, "nodes": {"honey": {"linear_momentum": [
-                math.cos(0.2 * k + 1), -5, sense * math.sin(0.2 * k + 1)]}}} for k in range(200)]
-            times, angles = coiling.turned(series, "honey")
-            slope, start = in_motion.line(times, angles)
-            self.assertAlmostEqual(slope, 80, places=6)
-            self.assertAlmostEqual(start, 0, places=6)
+            angles = sense * 80 * (numpy.array(times) + 1)
+            for one, other, roundness in ((1, 0, 1), (1, 0.5, 0.6), (1, 1, 0)):
+                path = one * numpy.exp(1j * angles) + other * numpy.exp(-1j * angles) + 0.3 + numpy.array(times)
+                found, round_ = coiling.whirl(times, numpy.stack([path.real, path.imag], axis=1))
+                self.assertAlmostEqual(found, 80, delta=0.2)
+                self.assertAlmostEqual(round_, roundness, delta=0.01)
+
+    def test_turns_are_counted_in_either_sense(self):
+        for sense in (1, -1):
+            angles = sense * 0.2 * numpy.arange(200) + 1
+            middles = numpy.stack([numpy.cos(angles), numpy.sin(angles)], axis=1)
+            self.assertAlmostEqual(coiling.turned(middles)[-1], 0.2 * 199)
 
     def test_the_pile_ends_where_the_rope_lies(self):
         # A disc of 6 mm height at rest, a coil on it that falls at half the speed, and a straight rope.
