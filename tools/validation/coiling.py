@@ -21,6 +21,12 @@ def rope_of(particles):
     return particles.positions[(y > LOW) & (y < HIGH)][:, [0, 2]].mean(axis=0)
 
 
+def speed_at(particles, height):
+    """How fast the rope falls through the last radius of the nozzle above this height, m/s."""
+    y = particles.positions[:, 1]
+    return float(-particles.velocities[(y > height) & (y < height + NOZZLE / 2), 1].mean())
+
+
 def whirl(times, middles):
     """What a middle (n, 2) does: the angular frequency of the two circles, one in each sense, that together with a steady drift come
     nearest to it, and the difference of the circles' squares over their sum: 1 for a circle, 0 for a line, along which it folds."""
@@ -60,7 +66,8 @@ def coiling(lab):
     so that it does not fold. Compared with the theory of slender ropes (Ribe 2004) for the fall from the nozzle to the top of the
     pile, in the mean over the time in which nothing leads it."""
     import numpy
-    fall = scenes.read(SCENES / "validation" / "coiling.json")["let"]["fall"]
+    scene = scenes.read(SCENES / "validation" / "coiling.json")
+    fall, speed = scene["let"]["fall"], scenes.parameter(scene, "nozzle.speed")
     across = lab.scale((8,), (10, 12))
     runs = [lab.run(f"coiling/{n}", "validation/coiling", {"let.spacing": f"{NOZZLE / n:.6g}"}, export=True) for n in across]
     rows, curves = [], []
@@ -77,6 +84,7 @@ def coiling(lab):
         rows += [Row(f"angular frequency, {label}", omega, "rad/s", expected, 0.15),
                  Row(f"turns in that time, {label}", float(angles[-1]) / (2 * math.pi), above=2),
                  Row(f"roundness: 1 for coiling in circles, 0 for folding, {label}", roundness),
+                 Row(f"speed at the nozzle, {label}", mean(speed_at(frame, fall) for frame in frames), "m/s", speed),
                  Row(f"height of the pile, mean, {label}", mean(piles), "m")]
         curves += [(label, times, angles, "-"), (f"theory, {label}", times, [expected * (t - times[0]) for t in times], "k--")]
     return Outcome(rows, (Chart("A rope of honey", "time (s)", "turned by (rad)", tuple(curves)),))
