@@ -3,8 +3,8 @@
 
 Each command runs as it stands, in a fresh folder that sees `resources` and, first on the PATH, the program of a build. The picture below it on
 the page is its clip, or else the last of its pictures, as a JPEG. Loops, NAME.webp, are of the scene gallery/NAME with the settings below, by
-our own renderer. With --frames, their pictures are in the folder NAME already, as PNG or JPEG files, such as from a machine with a GPU and
-without ffmpeg.
+Cycles. With --frames, their pictures are in the folder NAME already, as PNG or JPEG files, such as from a machine with a GPU and without
+ffmpeg.
 """
 
 import argparse
@@ -24,16 +24,16 @@ ROOT = Path(__file__).resolve().parents[2]
 LARGEST_CLIP, LARGEST_STILL = 3_000_000, 300_000  # bytes
 LOOP_RATE = 15  # frames a second; what is to be seen slowed down has more of them
 LOOPS = {  # the last frame, and what is set
-    "lighthouse": (34, "let.spacing=0.13", "world.frame_rate=15", "render.environment.exposure=0.9"),
-    "garden": (60, "let.spacing=0.014", "world.frame_rate=15", "render.environment.exposure=0.9"),
-    "wine": (60, "let.spacing=0.0025", "world.frame_rate=40", "render.environment.exposure=2"),
-    "pancakes": (60, "let.spacing=0.001", "world.frame_rate=60", "world.dt=0.0003"),
-    "mill": (60, "let.spacing=0.03", "world.frame_rate=15", "render.environment.exposure=0.9"),
-    "ship": (42, "let.spacing=0.1", "world.frame_rate=15", "render.environment.exposure=0.9"),
-    "village": (60, "let.spacing=0.1", "world.frame_rate=12", "render.environment.exposure=0.9"),
-    "paint": (47, "let.spacing=0.004", "world.frame_rate=15"),
+    "lighthouse": (34, "let.spacing=0.13", "world.frame_rate=15"),
+    "garden": (21, "let.spacing=0.012", "world.frame_rate=15"),
+    "wine": (42, "let.spacing=0.0025", "world.frame_rate=40"),
+    "pancakes": (58, "let.spacing=0.001", "world.frame_rate=60", "world.dt=0.0003"),
+    "mill": (57, "let.spacing=0.03", "world.frame_rate=15"),
+    "ship": (42, "let.spacing=0.1", "world.frame_rate=15"),
+    "village": (39, "let.spacing=0.1", "world.frame_rate=12"),
+    "paint": (30, "let.spacing=0.004", "world.frame_rate=15"),
 }
-LOOP_SIZE = "render.width=800", "render.height=450"
+LOOP_LOOK = "render.width=800", "render.height=450", "render.cycles.samples=32"
 
 
 def wanted(page):
@@ -53,8 +53,8 @@ def wanted(page):
 
 def loop_command(name):
     last, *settings = LOOPS[name]
-    return " ".join(["weir run", f"gallery/{name}", f"--frames {last} --engine weir --images out",
-                     *(f"--set {setting}" for setting in (*settings, *LOOP_SIZE))])
+    return " ".join(["weir run", f"gallery/{name}", f"--frames {last} --images out",
+                     *(f"--set {setting}" for setting in (*settings, *LOOP_LOOK))])
 
 
 def to_jpeg(picture, made, size=LARGEST_STILL):

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Writes meshes of gallery scenes, each of closed parts that do not touch: mill_wheel.ply (buckets between two rims, about the z axis),
-ship_hull.ply and ship_house.ply (a cutter along x, its waterline at y = 0). Metres."""
+ship_hull.ply and ship_house.ply (a cutter along x, its waterline at y = 0), sea_rock.ply (1 m in radius, to be scaled) and islet.ply
+(a rock with room for a tower of 1.5 m in radius on it, at y = 4.3). Metres."""
 import math
 import pathlib
+import random
 
 GAP = 0.004  # m, between parts
 MESHES = pathlib.Path(__file__).resolve().parents[2] / "resources/meshes"
@@ -156,6 +158,67 @@ def ship_house():
     mesh.write("ship_house.ply")
 
 
+def sphere(times):
+    """(directions, triangles): an octahedron whose triangles are cut into four that many times."""
+    points = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    triangles = [(x, y, z) if (x + y + z) % 2 == 0 else (x, z, y) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    for _ in range(times):
+        middles = {}
+
+        def middle(i, j):
+            key = min(i, j), max(i, j)
+            if key not in middles:
+                between = [a + b for a, b in zip(points[i], points[j])]
+                middles[key] = len(points)
+                points.append(tuple(a / math.hypot(*between) for a in between))
+            return middles[key]
+
+        triangles = [part for i, j, k in triangles for a, b, c in [(middle(i, j), middle(j, k), middle(k, i))]
+                     for part in ((i, a, c), (a, j, b), (c, b, k), (a, b, c))]
+    return points, triangles
+
+
+def noise(at, seed):
+    """From -1 to 1, smooth over lengths of 1: values at whole places, and between them by x²(3 − 2x)."""
+    low = [math.floor(a) for a in at]
+    shares = [(a - b) ** 2 * (3 - 2 * (a - b)) for a, b in zip(at, low)]
+    total = 0.0
+    for corner in range(8):
+        bits = corner & 1, corner >> 1 & 1, corner >> 2
+        share = math.prod(s if bit else 1 - s for s, bit in zip(shares, bits))
+        number = sum((a + bit) * prime for a, bit, prime in zip(low, bits, (73856093, 19349663, 83492791))) ^ seed * 2654435761
+        number = (number ^ number >> 13) * 1274126177 & 0xffffffff
+        total += share * ((number ^ number >> 16) / 0x7fffffff - 1)
+    return total
+
+
+def crags(at, seed):
+    """From 0 to 1, with sharp ridges, in five octaves."""
+    return sum((1 - abs(noise([a * 2 ** k for a in at], seed + k))) ** 2 / 2 ** k for k in range(5)) / 1.94
+
+
+def rock(name, times, size, cuts, rough, top, seed):
+    """What random planes leave of an ellipsoid of half axes `size`, with crags of `rough` m on it; flat above `top`."""
+    chance = random.Random(seed)
+    planes = []
+    for _ in range(cuts):
+        normal = [chance.gauss(0, 1) for _ in range(3)]
+        planes.append(([a / math.hypot(*normal) for a in normal], chance.uniform(0.72, 0.98)))
+    points, triangles = sphere(times)
+    mesh = Mesh()
+    for point in points:
+        radius = min([1.0] + [far / along for normal, far in planes if (along := sum(a * b for a, b in zip(normal, point))) > 0.3])
+        at = [radius * a * b for a, b in zip(point, size)]
+        grown = rough * (2 * crags([0.9 * a / max(size) ** 0.5 for a in at], seed) - 1.2)
+        at = [a + grown * b for a, b in zip(at, point)]
+        at[1] = min(at[1], top + 0.25 * (at[1] - top) / (1 + at[1] - top)) if at[1] > top else at[1]
+        mesh.vertices.append(tuple(at))
+    mesh.part(lambda: mesh.triangles.extend(triangles))
+    mesh.write(name)
+
+
 mill_wheel()
 ship_hull()
 ship_house()
+rock("sea_rock.ply", 5, (1.0, 0.8, 0.9), 26, 0.12, 9.0, 5)
+rock("islet.ply", 6, (6.6, 4.9, 5.8), 60, 0.9, 4.3, 11)
