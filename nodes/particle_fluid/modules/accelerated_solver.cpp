@@ -8,6 +8,7 @@
 
 #include "framework/graph/setting_warning.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
+#include "nodes/particle_fluid/modules/conjugate_passes.h"
 #include "nodes/particle_fluid/pressure_problem.h"
 #include "nodes/particle_fluid/scratch.h"
 #include "nodes/particle_fluid/wall_field.h"
@@ -182,6 +183,28 @@ detail::GainTolerance AcceleratedSolver::gainTolerance(const PressureProblem& pr
   return {.bulk = kOfBulk * double(problem.stiffness()) *
                   double(bulkEnergy_.value(tolerance.get().value_or(0.0f))),
           .weight = 0.5 * sinks * sinks};
+}
+
+detail::Settle AcceleratedSolver::settleOf(const PressureProblem& problem, bool first) {
+  return {.density = detail::RelativeExcess::of(problem),
+          .control = control_->data(),
+          .of = conjugateView(),
+          .energy = bulkEnergy_,
+          .tension = tension,
+          .first = first,
+          .displacement = problem.displacement(),
+          .weighted = problem.weighted()};
+}
+
+Contain AcceleratedSolver::containOf(const PressureProblem& problem, ArrayView<Vec3f> displacement,
+                                     const int* done, ArrayView<Vec3f> held) {
+  return {.boundary = problem.fluid.walls.boundary.boundary,
+          .radius = problem.fluid.constants.contact,
+          .predicted = problem.predicted(),
+          .displacement = displacement,
+          .state = problem.state(),
+          .held = held,
+          .done = done};
 }
 
 detail::Judge AcceleratedSolver::judgeOf(const PressureProblem& problem, const SolverSums* sums, bool last) {

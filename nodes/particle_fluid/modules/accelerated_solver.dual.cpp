@@ -249,15 +249,7 @@ void AcceleratedSolver::iterateConjugate(Backend& device, const PressureProblem&
 template <class Backend>
 void AcceleratedSolver::settle(Backend& device, const PressureProblem& problem, bool first) {
   problem.fluid.exchange(problem.state());
-  parallelForEights(device, "density", problem.fluid.particles.count(),
-                    detail::Settle{.density = detail::RelativeExcess::of(problem),
-                                   .control = control_->data(),
-                                   .of = conjugateView(),
-                                   .energy = bulkEnergy_,
-                                   .tension = tension,
-                                   .first = first,
-                                   .displacement = problem.displacement(),
-                                   .weighted = problem.weighted()});
+  parallelForEights(device, "density", problem.fluid.particles.count(), settleOf(problem, first));
   problem.fluid.exchange(problem.weighted());
 }
 
@@ -281,21 +273,23 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
                detail::MeasureState{conjugate, searched}, AddSums{}, sums_.data());
   parallelFor(device, "judge", 1, detail::JudgeState{judgeOf(problem, sums_.data(), last)});
   controlSeen_->request(control_->data());
-  parallelForEights(device, "descend", count,
-                    detail::Descend{.pushOf = problem.push(),
-                                    .divisor = commonDivisor(problem),
-                                    .of = of,
-                                    .control = control_->data(),
-                                    .predicted = problem.predicted(),
-                                    .displacement = problem.displacement(),
-                                    .state = problem.state()});
-  contain(device, problem, of.tried, done, of.heldChange);
+  const detail::Descend descend{.pushOf = problem.push(),
+                                .divisor = commonDivisor(problem),
+                                .of = of,
+                                .control = control_->data(),
+                                .predicted = problem.predicted(),
+                                .displacement = problem.displacement(),
+                                .state = problem.state()};
+  parallelForEights(
+      device, "descend", count,
+      detail::Contained<detail::Descend>{descend, containOf(problem, of.tried, done, of.heldChange)});
   DirectionSums* const sums = directions_.directionSums.data();
   sumOverRanks(device, "measure direction", allOf(problem.fluid), problem.square(),
                detail::MeasureDirection{conjugate}, AddDirectionSums{}, sums);
   parallelFor(device, "choose direction", 1, detail::ChooseDirection{control_->data(), sums});
-  parallelFor(device, "try", count, detail::Try{conjugate});
-  contain(device, problem, of.tried, done);
+  parallelForEights(
+      device, "try", count,
+      detail::Contained<detail::OneByOne<detail::Try>>{{{conjugate}}, containOf(problem, of.tried, done)});
   problem.fluid.exchange(problem.state());
   parallelForEights(device, "try density", count,
                     detail::SumTrial{detail::RelativeExcess::of(problem), control_->data(), of});
@@ -303,8 +297,10 @@ void AcceleratedSolver::iterateOnce(Backend& device, const PressureProblem& prob
                AddLineSums{}, directions_.lineSums.data());
   parallelFor(device, "choose length", 1,
               detail::ChooseLength{control_->data(), directions_.lineSums.data(), last});
-  parallelFor(device, "advance", count, detail::Advance{conjugate});
-  contain(device, problem, done);
+  parallelForEights(
+      device, "advance", count,
+      detail::AdvanceAndSettle{{{{conjugate}}, containOf(problem, problem.displacement(), done, of.held)},
+                               settleOf(problem, /*first=*/false)});
   settle(device, problem, /*first=*/false);
 }
 
@@ -330,22 +326,9 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
-  contain(device, problem, problem.displacement(), done, conjugateView().held);
-}
-
-template <class Backend>
-void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem,
-                                ArrayView<Vec3f> displacement, const int* done, ArrayView<Vec3f> held) {
-  if (!controlled()) return;
-  if (problem.fluid.walls.boundary.empty()) return;
+  if (!controlled() || problem.fluid.walls.boundary.empty()) return;
   parallelForEights(device, "contain", problem.fluid.particles.count(),
-                    Contain{.boundary = problem.fluid.walls.boundary.boundary,
-                            .radius = problem.fluid.constants.contact,
-                            .predicted = problem.predicted(),
-                            .displacement = displacement,
-                            .state = problem.state(),
-                            .held = held,
-                            .done = done});
+                    containOf(problem, problem.displacement(), done, conjugateView().held));
 }
 
 template <class Backend>

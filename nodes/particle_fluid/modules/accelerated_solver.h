@@ -30,9 +30,11 @@
 
 namespace WEIR_API weir {
 
+struct Contain;
 namespace detail {
 struct GainTolerance;
 struct Judge;
+struct Settle;
 }  // namespace detail
 
 enum class Acceleration { kAuto, kNone, kNesterov, kConjugate };
@@ -131,9 +133,10 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   template <class Backend>
   void iterateOnce(Backend& device, const PressureProblem& problem, ArrayView<const Vec3f> searched,
                    bool last);
-  /// λ and Ḃ at the displacements; `first` of a pass.
+  /// λ and Ḃ at the displacements, where λ has to be summed; `first` of a pass.
   template <class Backend>
   void settle(Backend& device, const PressureProblem& problem, bool first);
+  detail::Settle settleOf(const PressureProblem& problem, bool first);
   /// Decides on the device how to go on; `last` is the last iteration of a pass.
   template <class Backend>
   void judge(Backend& device, const PressureProblem& problem, bool last);
@@ -146,10 +149,9 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   /// is not 0.
   template <class Backend>
   void contain(Backend& device, const PressureProblem& problem, const int* done = nullptr);
-  /// The same of other displacements, whose positions are the state.
-  template <class Backend>
-  void contain(Backend& device, const PressureProblem& problem, ArrayView<Vec3f> displacement,
-               const int* done, ArrayView<Vec3f> held = {});
+  /// What does that, of displacements whose positions are the state.
+  static Contain containOf(const PressureProblem& problem, ArrayView<Vec3f> displacement, const int* done,
+                           ArrayView<Vec3f> held = {});
   /// What walls do beside holding the fluid.
   template <class Backend>
   void meetWalls(Backend& device, const PressureProblem& problem);

@@ -1,6 +1,7 @@
 // The kernels of an iteration by conjugate gradients, in their order (conjugate.h).
 #pragma once
 
+#include "nodes/particle_fluid/containment.h"
 #include "nodes/particle_fluid/modules/accelerated_judge.h"
 #include "nodes/particle_fluid/modules/conjugate.h"
 #include "nodes/particle_fluid/pressure_problem.h"
@@ -53,7 +54,7 @@ struct RelativeExcess {
   }
 };
 
-/// The end of a step along a direction: λ where it is summed anew, and Ḃ for the push.
+/// The end of a step along a direction: λ − 1, Ḃ for the push, and the direction as solids have let it go.
 struct Settle {
   RelativeExcess density;
   const SolverControl* control;
@@ -64,19 +65,26 @@ struct Settle {
   ArrayView<const Vec3f> displacement;
   ArrayView<Vec4f> weighted;
 
+  /// Where λ has to be summed anew.
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    if (!first && control->done) return;
-    decltype(read(of.excess, i)) excess;
-    if (first || control->far) {
-      excess = density.at(i, displacement);
-      write(of.excess, i, excess);
-    } else {
-      excess = read(of.excess, i);
-    }
+    if (!first && (control->done || !control->far)) return;
+    write(of.excess, i, density.at(i, displacement));
+    finish(i);
+  }
+
+  /// Where λ is known: needs nothing of other particles.
+  template <class Index>
+  WEIR_HD void withoutSum(Index i) const {
+    if (!control->done && !control->far) finish(i);
+  }
+
+ private:
+  template <class Index>
+  WEIR_HD void finish(Index i) const {
     const auto s = read(density.state, i);
+    const auto excess = read(of.excess, i);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(excessOf(excess + 1, tension))});
-    // As solids have let it go.
     if (first || control->takesBack) return;
     write(of.direction, i, (read(displacement, i) - read(of.tried, i)) / float(control->length));
     if (of.held.size > 0)
@@ -323,6 +331,42 @@ struct Advance {
     of.tried[i] = u;
     problem.displacement[i] = moved;
     problem.place(i, moved);
+  }
+};
+
+/// A pass over the particles, each of which is put out of solids at once.
+template <class F>
+struct Contained {
+  F f;
+  Contain contain;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    f(i);
+    contain(i);
+  }
+};
+
+/// f for one index at a time, where contain takes eight.
+template <class F>
+struct OneByOne {
+  F f;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    forEachOf(i, f);
+  }
+};
+
+/// The last pass of an iteration.
+struct AdvanceAndSettle {
+  Contained<OneByOne<Advance>> advance;
+  Settle settle;
+
+  template <class Index>
+  WEIR_HD void operator()(Index i) const {
+    advance(i);
+    settle.withoutSum(i);
   }
 };
 
