@@ -326,7 +326,7 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
-  if (!controlled() || problem.fluid.walls.boundary.empty()) return;
+  if (!controlled() || problem.fluid.walls.view().empty()) return;
   parallelForEights(device, "contain", problem.fluid.particles.count(),
                     containOf(problem, problem.displacement(), done, conjugateView().held));
 }
