@@ -134,7 +134,7 @@ ANSWERS = {
     "Hydrostatic pressure, by default": "weight, and ρg·h²/2 on a wall", "Buoyancy, by default": "Archimedes",
     "A tank that turns, by default": "the parabola ω²r²/2g", "Efflux from a hole, by default": "Torricelli's law",
     "The front of a dam break, by default": "an experiment",
-    "Momentum": "a free blob",
+    "Momentum": "a free blob", "A rope of honey": "the theory of slender ropes",
     "Poiseuille flow": "its parabola", "Couette flow": "a straight line", "Taylor–Green vortices": "exponential decay",
     "Added mass": "a closed form", "Draught of floating bodies": "Archimedes", "Attitudes of a floating beam": "the least energy", "A ball that heaves": "potential flow",
     "Water entry of a wedge": "a similarity solution",

@@ -133,6 +133,20 @@ struct TellHeld {
   }
 };
 
+/// Shares are over the gradients of a search; between two of them they are displacements, m.
+struct ShareOfWalls {
+  WallFieldView walls;
+  ArrayView<const Vec4f> state;  // positions
+  bool asDisplacement;
+
+  WEIR_HD void operator()(std::int64_t i) const {
+    const float gradient = length(walls.push(i, xyz(state[i])).gradPhi);
+    walls.share[i] = asDisplacement ? walls.share[i] * gradient
+                     : gradient > 0 ? walls.share[i] / gradient
+                                    : 0.0f;
+  }
+};
+
 }  // namespace
 
 template <class Backend>
@@ -361,6 +375,12 @@ void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& proble
 template <class Backend>
 void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
   FluidStep& fluid = problem.fluid;
+  const auto convertShares = [&](bool asDisplacement) {
+    if (!fluid.walls.empty())
+      parallelFor(device, "shares", fluid.particles.count(),
+                  ShareOfWalls{fluid.walls.view(), problem.state(), asDisplacement});
+  };
+  convertShares(true);
   parallelFor(device, "move", fluid.particles.count(),
               detail::MoveOut{.control = control_->data(),
                               .displacement = problem.displacement(),
@@ -380,6 +400,7 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
                                .state = problem.state()});
   fluid.exchange(problem.state());
   if (fluid.walls.empty()) return;
+  convertShares(false);
   fluid.walls.base = carried_.read();
   fluid.walls.keepLegal(fluid.particles.positions().read());
 }
