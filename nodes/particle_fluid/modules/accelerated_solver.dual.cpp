@@ -340,7 +340,9 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
-  if (!controlled() || problem.fluid.walls.view().empty()) return;
+  const WallField& walls = problem.fluid.walls;
+  const bool meshesHold = walls.still && !walls.empty();
+  if (!controlled() || (walls.boundary.empty() && !meshesHold)) return;
   parallelForEights(device, "contain", problem.fluid.particles.count(),
                     containOf(problem, problem.displacement(), done, conjugateView().held));
 }
