@@ -1,5 +1,6 @@
 #include "apps/studio/session/body_pull.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "framework/base/error.h"
@@ -10,7 +11,8 @@ namespace weir::studio {
 
 namespace {
 
-constexpr double kRate = 30;              // ω, 1/s
+constexpr double kMaxRate = 30;           // 1/s
+constexpr double kMaxRateTimesDt = 0.5;   // above 0.83 the body would fly to and fro ever farther
 constexpr double kMaxAcceleration = 100;  // m/s²
 
 RigidBody* bodyOf(const Scene& scene, const std::string& node) {
@@ -41,7 +43,8 @@ void BodyPull::update(Simulation& simulation) {
   if (!wish_) return;
   RigidBody& body = *bodyOf(simulation.scene(), wish_->node);
   const BodyState now = body.state();
-  Vec3d acceleration = kRate * kRate * (doubleOf(wish_->to) - now.center) - 2 * kRate * now.velocity;
+  const double rate = std::min(kMaxRate, kMaxRateTimesDt / simulation.clock().longestStep());
+  Vec3d acceleration = rate * rate * (doubleOf(wish_->to) - now.center) - 2 * rate * now.velocity;
   if (const double size = length(acceleration); size > kMaxAcceleration)
     acceleration = (kMaxAcceleration / size) * acceleration;
   body.appliedForce.set(ofScene_ + floatOf(body.massOf().mass * acceleration));

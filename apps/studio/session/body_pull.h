@@ -20,9 +20,9 @@ struct BodyWish {
 void requirePullable(const Scene& scene, const std::string& node);
 
 /// Besides the force that the scene applies, the body of mass m at x with velocity v gets
-///   f = m·(ω²·(to - x) - 2·ω·v),  ω = 30 1/s,
-/// a spring that is critically damped, but no more than m·100 m/s². Of a simulation's thread, between its
-/// steps.
+///   f = m·(ω²·(to - x) - 2·ω·v),  ω = min(30 1/s, 1/(2·dt)),
+/// a spring that is critically damped, softer where steps are long, but no more than m·100 m/s². Of a
+/// simulation's thread, between its steps.
 class BodyPull {
  public:
   /// Pulls this body from now on, and no other one.

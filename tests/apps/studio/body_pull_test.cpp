@@ -66,6 +66,17 @@ TEST_F(BodyPullTest, ABodyThatIsPulledUpMovesUpAndHangsFromTheSpring) {
   EXPECT_NEAR(down, -kGravity * 0.5, 0.01);
 }
 
+TEST_F(BodyPullTest, ItHangsStillAlsoWhereStepsAreLong) {
+  const double dt = 0.05;
+  std::string scene = kScene;
+  scene.replace(scene.find("0.002"), 5, "0.05");
+  start(scene);
+  EXPECT_EQ(refusal(R"({"id": 3, "do": "body.pull", "node": "body", "to": [0, 1.5, 0]})"), "");
+  const auto [rest, still] = after(30);
+  EXPECT_NEAR(rest, 1.5 - kGravity * 4 * dt * dt, 1e-3);
+  EXPECT_NEAR(still, 0, 1e-3);
+}
+
 TEST_F(BodyPullTest, WhoLeavesLetsGo) {
   start();
   socket->ask(R"({"id": 3, "do": "body.pull", "node": "body", "to": [0, 0.5, 0]})");

@@ -88,6 +88,9 @@ step("a light tells how far particles fly in a step", async () => {
 });
 
 step("a body is pulled by the pointer while the scene runs, and drifts on when it is let go", async () => {
+  // A click while the body is held would let it go.
+  await page.getByRole("tab", { name: "Plots", exact: true }).click();
+  await page.getByLabel("Filter plots").fill("raft.position");
   await tidy();
   await button("From +z").click();
   await button("Grab").click();
@@ -105,8 +108,6 @@ step("a body is pulled by the pointer while the scene runs, and drifts on when i
   const height1 = Number((await status.innerText()).split(", ")[1]);
   assert.ok(height1 > height0 + 0.05, `${height0} to ${height1}`);
   // What the server measures of it comes up to the hand.
-  await page.getByRole("tab", { name: "Plots", exact: true }).click();
-  await page.getByLabel("Filter plots").fill("raft.position");
   const place = () => page.locator('.plot[data-quantity="raft.position"] figcaption b').last().innerText();
   await page.waitForFunction((far) => Number.parseFloat(document.querySelector('.plot[data-quantity="raft.position"] figcaption b:last-of-type')?.innerText) > far, Math.hypot(height1, 0.1) - 0.1);
   await page.mouse.up();
