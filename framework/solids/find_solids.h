@@ -18,7 +18,15 @@ namespace weir {
 /// What one solid gives to one particle.
 struct FoundSolid {
   SolidIntegrals<float> integrals;  ///< in the frame of the world
+  SymmetricTensor curvature;        ///< about ∇∇Φ there, (7) of solid_integrals.h
   int sides = 0;                    ///< of SeenSide
+
+  WEIR_HD FoundSolid& operator+=(const FoundSolid& other) {
+    integrals += other.integrals;
+    curvature += other.curvature;
+    sides |= other.sides;
+    return *this;
+  }
 };
 
 /// Of the particles near[n], which stand at positions[near[n]].
@@ -41,18 +49,29 @@ WEIR_HD inline bool fillsBehind(const SolidView& solid, const FoundSolid& found,
          sum.isOutside();
 }
 
+WEIR_HD inline SymmetricTensor toWorld(const Pose& pose, const SymmetricTensor& k) {
+  // R·K, by its columns, and of that the rows times Rᵀ.
+  const Vec3f x = pose.directionToWorld({k.diagonal.x, k.off.x, k.off.y}),
+              y = pose.directionToWorld({k.off.x, k.diagonal.y, k.off.z}),
+              z = pose.directionToWorld({k.off.y, k.off.z, k.diagonal.z});
+  const Vec3f first = pose.directionToWorld({x.x, y.x, z.x}), second = pose.directionToWorld({x.y, y.y, z.y}),
+              third = pose.directionToWorld({x.z, y.z, z.z});
+  return {{first.x, second.y, third.z}, {first.y, first.z, second.z}};
+}
+
 WEIR_HD inline void finishSolid(const SolidView& solid, const SolidIntegrator<float>& sum, float calibration,
                                 FoundSolid& found) {
   found.integrals =
       solid.kind == SolidKind::kSheet ? sum.integralsOfSheet(calibration) : sum.integrals(calibration);
   found.integrals.gradPhi = solid.end.directionToWorld(found.integrals.gradPhi);
+  found.curvature = toWorld(solid.end, sum.curvature(calibration));
 }
 
 /// The threads of a team share a walk down the tree.
 WEIR_HD inline FoundSolid findSolid(const SolidView& solid, const Vec3f& position, const SolidSearch& search,
                                     const Team& team) {
   const Vec3f p = solid.end.toBody(position);
-  SolidIntegrator<float> sum(p, search.radius);
+  SolidIntegrator<float> sum(p, search.radius, solid.kind == SolidKind::kSheet);
   FoundSolid found;
   const auto forEachNear = [&](float within, auto&& f) {
     const bool container = solid.kind == SolidKind::kContainer;
@@ -87,14 +106,14 @@ struct FindSolids {
 
   WEIR_HD void operator()(std::int64_t n, const Team& team) const {
     const int i = search.near[n];
-    SolidIntegrals<float> sum;
+    FoundSolid sum;
     for (int pair = search.pairs.begin(i); pair < search.pairs.end(i); ++pair) {
       const SolidView& solid = search.solids[search.pairs.solid[pair]];
       const FoundSolid found = findSolid(solid, search.positions[i], search, team);
       if (team.lane == 0) take(pair, found);
-      sum += found.integrals;
+      sum += found;
     }
-    if (team.lane == 0) take(i, sum);
+    if (team.lane == 0) take.all(i, sum);
   }
 };
 
@@ -118,7 +137,7 @@ struct FindSolidsInLanes {
 
   struct Progress {
     int next, end;  // of its pairs
-    SolidIntegrals<float> sum;
+    FoundSolid sum;
   };
 
   void together(std::int64_t begin, std::int64_t end, TrianglePairs& pairs) const {
@@ -129,7 +148,7 @@ struct FindSolidsInLanes {
     }
     for (int k = nextSolid(of, end - begin); k != kNone; k = nextSolid(of, end - begin))
       for (std::int64_t n = begin; n < end;) n = some(k, n, end, pairs, of + (n - begin));
-    for (std::int64_t n = begin; n < end; ++n) take(search.near[n], of[n - begin].sum);
+    for (std::int64_t n = begin; n < end; ++n) take.all(search.near[n], of[n - begin].sum);
   }
 
   /// The first solid of those that the particles still have before them.
@@ -169,14 +188,14 @@ struct FindSolidsInLanes {
       const FoundSolid found = alone[m - begin] ? findSolid(solid, position, search, Team{})
                                                 : foundBy(solid, points[m - begin], pairs, int(m - begin));
       take(particle.next++, found);
-      particle.sum += found.integrals;
+      particle.sum += found;
     }
     return n;
   }
 
   FoundSolid foundBy(const SolidView& solid, const Vec3f& p, const TrianglePairs& pairs, int particle) const {
-    SolidIntegrator<float> sum(p, search.radius);
-    FoundSolid found{.integrals = {}, .sides = pairs.sidesSeen(particle)};
+    SolidIntegrator<float> sum(p, search.radius, solid.kind == SolidKind::kSheet);
+    FoundSolid found{.sides = pairs.sidesSeen(particle)};
     pairs.forEachTriangle(particle, [&](const TriangleTerms<float>& terms) { sum.add(terms); });
     if (fillsBehind(solid, found, sum))
       pairs.forEachTriangle(particle, [&](const TriangleTerms<float>& terms) { sum.fillBehind(terms); });
@@ -190,7 +209,7 @@ struct FindSolidsInLanes {
 }  // namespace detail
 
 /// Calls take(pair, FoundSolid) for every pair of the particles near[n], in the order of their solids, and
-/// take(i, sum) with the SolidIntegrals of all of particle i. There are `count` particles. Where their bits
+/// take.all(i, sum) with what all of them give to particle i. There are `count` particles. Where their bits
 /// must not depend on how many there are, `alwaysTeams` is true.
 template <class Backend, class Take>
 void findSolids(Backend& device, std::string_view name, Count count, const SolidSearch& search,

@@ -56,6 +56,14 @@
 // Triangles that are small or thin, seen from p, need no edges: Gauss-Legendre points inside them do for (1)
 // and (2), with an error far below the tolerance with which integrals() tells the sides of p apart.
 //
+// How ∇Φ changes with p, as far as that is due to the distance of p from planes: a plane's area (3) has the
+// slope −f(δ)·∫ W dA,
+//
+//   ∇∇Φ ≈ Σ_T f(δ)·n⊗n·∫_T W dA,      f(q) = 20·q/((1−q)·(1+4q))          (7)
+//
+// over what faces p. Exact for planes; in the edge of a container what is left out is the change of what the
+// one face shows while p moves along it. It is never negative, so what is extrapolated by it is convex.
+//
 // On the surface. (4) depends on the direction in which p lies from an edge, however near, and two triangles
 // that disagree about that direction are wrong by up to 2π. Hence every edge computes δ and l from its own
 // vector to the nearest point of its line, bit for bit the same one for both its triangles, so that rounding
@@ -69,6 +77,7 @@
 
 #include "framework/base/api.h"
 #include "framework/base/host_device.h"
+#include "framework/base/symmetric_tensor.h"
 #include "framework/base/vec.h"
 #include "framework/solids/triangle_integrals.h"
 
@@ -95,8 +104,8 @@ template <class T>
 class SolidIntegrator {
  public:
   /// p and all corners in m, in one frame; H > 0 is the support radius.
-  WEIR_HD SolidIntegrator(const Vec3<T>& p, T supportRadius)
-      : inverseRadius_(T(1) / supportRadius), triangles_(p, inverseRadius_) {}
+  WEIR_HD SolidIntegrator(const Vec3<T>& p, T supportRadius, bool isSheet = false)
+      : inverseRadius_(T(1) / supportRadius), isSheet_(isSheet), triangles_(p, inverseRadius_) {}
 
   /// The triangle a, b, c, counter-clockwise seen from the fluid. Does nothing for triangles out of reach or
   /// without area.
@@ -108,6 +117,7 @@ class SolidIntegrator {
     phi_ += triangle.phi;
     d_ += triangle.d;
     gradient_ -= triangle.normal * triangle.area;
+    bend(triangle);
     if (triangle.delta > 0) face(triangle.normal, triangle.phi);
   }
 
@@ -132,7 +142,8 @@ class SolidIntegrator {
   /// Sums what the threads of a team have added for the same particle; all of them then have all of it.
   template <class Team>
   WEIR_HD void unite(const Team& team) {
-    uniteVector(team, gradient_), phi_ = team.sum(phi_), d_ = team.sum(d_);
+    uniteVector(team, gradient_), uniteVector(team, bend_.diagonal), uniteVector(team, bend_.off);
+    phi_ = team.sum(phi_), d_ = team.sum(d_);
     for (Vec3<T>* v : {&facing_, &facingX_, &facingY_, &facingZ_}) uniteVector(team, *v);
   }
 
@@ -187,6 +198,12 @@ class SolidIntegrator {
     return scaled(side * phi_, gradient_ * side, side * d_, calibration);
   }
 
+  /// (7), 1/m², for the kernel's calibration s; nothing of triangles that were added approximately.
+  WEIR_HD SymmetricTensorOf<T> curvature(T calibration) const {
+    const T scale = calibration * (inverseRadius_ * inverseRadius_);
+    return {scale * bend_.diagonal, scale * bend_.off};
+  }
+
   /// Well above the rounding of a sum over some hundred triangles.
   static constexpr T kSideTolerance = std::is_same_v<T, float> ? T(2e-5) : T(1e-9);
 
@@ -226,6 +243,13 @@ class SolidIntegrator {
     v = {team.sum(v.x), team.sum(v.y), team.sum(v.z)};
   }
 
+  /// A sheet faces p with either side.
+  WEIR_HD void bend(const TriangleTerms<T>& triangle) {
+    const T q = isSheet_ && triangle.delta < 0 ? -triangle.delta : triangle.delta;
+    if (!(q > 0) || !(q < 1)) return;
+    bend_.addSquare(triangle.area * (20 * q / ((1 - q) * (1 + 4 * q))), triangle.normal);
+  }
+
   WEIR_HD void face(const Vec3<T>& n, T phi) {
     facing_ -= n * phi;
     facingX_ += n * (phi * n.x), facingY_ += n * (phi * n.y), facingZ_ += n * (phi * n.z);
@@ -248,11 +272,13 @@ class SolidIntegrator {
   }
 
   T inverseRadius_;
+  bool isSheet_;
   TriangleIntegrator<T> triangles_;
   // In units of H, for s = 1:
   T phi_ = 0;
   Vec3<T> gradient_;
   T d_ = 0;
+  SymmetricTensorOf<T> bend_;  // (7)
   // (6): −Σ φ·n and the rows of Σ φ·n·nᵀ over what faces p; and what is to be added.
   Vec3<T> facing_, facingX_, facingY_, facingZ_;
   T behindPhi_ = 0;

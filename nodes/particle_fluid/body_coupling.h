@@ -39,8 +39,7 @@ namespace detail {
 struct NearBodies {
   ArrayView<const SolidView> solids;
   SolidPairsView pairs;
-  ArrayView<const Vec3f> positions;  // predicted
-  ArrayView<const Vec3f> base;       // see WallFieldView
+  ArrayView<const Vec3f> foundAt;  // see WallFieldView
   ArrayView<const Vec4f> each;
 
   /// Calls f(k, body, g_i, arm) for each body k near particle i.
@@ -50,7 +49,7 @@ struct NearBodies {
       const int k = pairs.solid[pair];
       const FreeBody* body = solids[k].body;
       if (body == nullptr) continue;
-      const Vec3f p = base.size > 0 ? positions[i] + base[i] : positions[i];
+      const Vec3f p = foundAt[i];
       f(k, *body, doubleOf(xyz(each[pair])), doubleOf(p) - (body->predicted.center + body->searched.linear));
     }
   }
@@ -121,7 +120,7 @@ struct FollowBodies {
     const float more = shares ? float(double(walls.grip[i]) * change) : 0.0f;
     if (more == 0) return;
     const Vec4f at = state[i];
-    const Vec3f u = more * walls.push(std::int64_t{i}, xyz(at)).gradPhi;
+    const Vec3f u = more * walls.sharedGradient(i, xyz(at));
     walls.share[i] += more;
     displacement[i] += u;
     state[i] = {at.x + u.x, at.y + u.y, at.z + u.z, at.w};
@@ -277,8 +276,7 @@ NearBodies nearBodies(Backend&, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   return {.solids = std::as_const(walls.views).view(),
           .pairs = walls.pairs.view(),
-          .positions = fluid.particles.positions().read(),
-          .base = walls.base,
+          .foundAt = std::as_const(walls.foundAt).view(),
           .each = std::as_const(walls.each).view()};
 }
 

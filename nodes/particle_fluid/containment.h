@@ -9,24 +9,6 @@
 
 namespace weir {
 
-/// What meshes give to the density is linear about the displacements `base` at which it was found, and says
-/// nothing of what is far from there: whom it does not hold flies into the mesh, and out of it the next time.
-/// So who feels a mesh goes no further than `radius` from there.
-struct StayWhereMeshesAreKnown {
-  ArrayView<const float> d;     ///< of meshes; empty without them
-  ArrayView<const Vec3f> base;  ///< all 0 if it is empty
-  float radius;                 // m
-
-  /// Where it may go in place of u.
-  WEIR_HD Vec3f operator()(std::int64_t i, const Vec3f& u) const {
-    if (d.size == 0 || !(d[i] > 0)) return u;
-    const Vec3f from = base.size > 0 ? base[i] : Vec3f{};
-    const Vec3f way = u - from;
-    const float square = dot(way, way);
-    return square > radius * radius ? from + radius / sqrtf(square) * way : u;
-  }
-};
-
 /// Changes displacements so that no particle is nearer to a solid than `radius`.
 struct Contain {
   BoundaryView boundary;
@@ -34,7 +16,6 @@ struct Contain {
   ArrayView<const Vec3f> predicted;
   ArrayView<Vec3f> displacement;
   ArrayView<Vec4f> state;
-  StayWhereMeshesAreKnown meshes;
   /// m; gains what each particle is moved by. Empty where nobody asks.
   ArrayView<Vec3f> held = {};
   /// Where it is not 0, nothing is to be changed any more; may be null. How many passes a solver makes beyond
@@ -44,7 +25,6 @@ struct Contain {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     if (done != nullptr && *done != 0) return;
-    if (meshes.d.size > 0) forEachOf(i, [this](std::int64_t k) { stay(k); });
     const auto before = read(state, i);
     const auto p = xyz(before);
     auto q = p;
@@ -54,14 +34,6 @@ struct Contain {
     write(displacement, i, select(moved, q - read(predicted, i), read(displacement, i)));
     write(state, i, {q.x, q.y, q.z, zeroUnless(!moved, before.w)});
     if (held.size > 0) write(held, i, read(held, i) + (q - p));
-  }
-
-  WEIR_HD void stay(std::int64_t i) const {
-    const Vec3f u = displacement[i], stays = meshes(i, u);
-    if (stays == u) return;
-    displacement[i] = stays;
-    const Vec3f p = predicted[i] + stays;
-    state[i] = {p.x, p.y, p.z, 0};
   }
 };
 

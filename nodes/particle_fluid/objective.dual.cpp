@@ -27,7 +27,7 @@ struct ParticleObjective {
       sum += kernel.value(sqrtf(dot(d, d)));
     });
     double over = particleVolume * sum - 1;
-    if (!walls.empty()) over += walls.phi(i, displacement[i], p);
+    if (!walls.empty()) over += walls.phi(i, p);
     const float excess = tension || over > 0 ? float(over) : 0.0f;
     const Vec3f u = displacement[i];
     const double ux = u.x, uy = u.y, uz = u.z;

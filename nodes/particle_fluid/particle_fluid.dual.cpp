@@ -42,7 +42,7 @@ struct Density {
   WEIR_HD void operator()(std::int64_t i) const {
     float lambda = relativeDensity(i, neighbors, kernel, particleVolume,
                                    [this](std::int64_t j) { return positions[j]; });
-    if (!walls.empty()) lambda += walls.phi(i, Vec3f{}, positions[i]);
+    if (!walls.empty()) lambda += walls.phi(i, positions[i]);
     density[i] = restDensity * lambda;
   }
 };

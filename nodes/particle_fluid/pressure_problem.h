@@ -30,7 +30,6 @@ struct EnergyDerivativeWith {
   BulkEnergy energy;
   bool tension;
   Walls walls;
-  ArrayView<const Vec3f> displacement;
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
   ArrayView<float> excess;  // empty where nobody asks for it
@@ -39,7 +38,7 @@ struct EnergyDerivativeWith {
   WEIR_HD void operator()(Index i) const {
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
     const auto s = read(state, i);
-    if (!walls.empty()) lambda += walls.phi(i, displacement, xyz(s));
+    if (!walls.empty()) lambda += walls.phi(i, xyz(s));
     const auto e = excessOf(lambda, tension);
     write(weighted, i, {s.x, s.y, s.z, energy.derivative(e)});
     if (excess.size > 0) write(excess, i, e);
@@ -52,8 +51,8 @@ template <class T>
 struct Push {
   Vec3<T> push;
   T divisor;
-  T wall;  // the part wall·∇Φ of the push comes from walls
-  Vec3<T> gradPhi;
+  T wall;           // of the push, what goes into the share of walls
+  Vec3<T> byWalls;  // the part that comes from walls
 };
 
 template <class Walls>
@@ -96,11 +95,12 @@ struct PushWith {
   /// The gradient of what walls add to the energy: with λ it depends on the particle's own place alone.
   template <class Index, class T>
   WEIR_HD void addWalls(Index i, const Vec3<T>& x, const T& derivative, Push<T>& total) const {
-    const SolidIntegrals<T> wall = walls.push(i, x);
+    const WallPush<T> wall = walls.push(i, x);
     if (!any(wall.d > T(0))) return;
-    total.wall = zeroUnless(wall.d > T(0), -derivative * wallStiffness);
-    total.gradPhi = wall.gradPhi;
-    total.push += total.wall * wall.gradPhi;
+    const T push = zeroUnless(wall.d > T(0), -derivative * wallStiffness);
+    total.wall = wall.steepness * push;
+    total.byWalls = push * wall.gradPhi;
+    total.push += total.byWalls;
     total.divisor += negativePart * wallStiffness * wall.d;
   }
 
@@ -183,7 +183,6 @@ struct PressureProblem {
             .energy = energy,
             .tension = tension,
             .walls = walls,
-            .displacement = displacement(),
             .state = state(),
             .weighted = weighted(),
             .excess = excess};

@@ -48,7 +48,7 @@ struct Container {
     const BoundaryHit hit = boundaryQuery(region, p);
     const float kept = isTop(hit.normal) ? 0.5f * contact : contact;
     if (!(hit.distance < kept)) return {0, hit.normal};
-    const Vec3f wall = walls.empty() ? Vec3f{} : walls.push(i, p).gradPhi;
+    const Vec3f wall = walls.empty() ? Vec3f{} : walls.sharedGradient(i, p);
     constexpr float kAlong = 0.5f;  // cosine; in a corner of three walls that of their mean is 0.58
     const bool walled = -dot(wall, hit.normal) > kAlong * length(wall);
     return {walled ? 0 : kept - hit.distance, hit.normal};

@@ -43,7 +43,9 @@ void WallField::place(double time, double dt, const Vec3f& gravity) {
 void WallField::fit(ParticleSet& particles) {
   stride = particles.capacity();
   total.resizeDiscarding(stride);
+  foundAt.resizeDiscarding(stride);
   d.resizeDiscarding(stride);
+  if (curves) curvature.resizeDiscarding(stride), curvatureOff.resizeDiscarding(stride);
   legal.resizeDiscarding(stride);
   marks.resizeDiscarding(stride);
   met.resizeDiscarding(stride);
@@ -112,7 +114,7 @@ double WallField::memoryFor(const FluidRoom& room) const {
   if (room.solids == 0) return bytes;
   return bytes + SolidGrid::memoryFor(room.solids) + KeyLists::memoryFor(n, room.solids) +
          pairs.memoryFor(n, room.solids, sizeof(Vec4f) + sizeof(int)) +
-         bytesOfArrays(n, total, d, legal, marks, met, kick);
+         bytesOfArrays(n, total, foundAt, curvature, curvatureOff, d, legal, marks, met, kick);
 }
 
 }  // namespace weir

@@ -1,11 +1,16 @@
 // What the particles of a fluid feel of walls: the integrals of solid_integrals.h. Those of rigid meshes, all
-// together and each alone, are found once a step at the predicted positions; within the iterations of a
-// solver Φ follows the displacement u to first order, Φ + ∇Φ·u. Those of boundaries, by signed distance, are
-// functions of a particle's place (boundary_integrals.h), and found wherever they are asked for.
+// together and each alone, are found where neighbours are: at the predicted positions, and where a solver
+// searches again. At a distance w from there Φ is Φ + ∇Φ·w + ½·w·K·w, K being the part of ∇∇Φ that is due to
+// the distances of planes ((7) of solid_integrals.h), or without K in solvers that do not ask for it. Without
+// K nothing resists a particle in the edge of a container that leaves one wall and goes through the other.
+// As ∇Φ grows along w, Φ is nowhere below its least value on the way to w. Those of boundaries, by signed
+// distance, are functions of a particle's place (boundary_integrals.h), and found wherever they are asked
+// for.
 //
 // All integrals here are a times those of the kernel with radius H_w (WallKernel), Φ being its Ψ. λ gains Φ,
 // and a wall pushes with Ḃ·∇Φ. Its displacement of a particle is share·∇Φ, where the solver sums the share
-// over its iterations; so what the fluid gains from walls is exactly known, and solids get its opposite.
+// over its iterations, and with K a remainder that is not along ∇Φ; so what the fluid gains from walls is
+// exactly known, and solids get its opposite.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +19,7 @@
 #include <vector>
 
 #include "framework/base/api.h"
+#include "framework/base/symmetric_tensor.h"
 #include "framework/compute/compact_once.h"
 #include "framework/compute/eight.h"
 #include "framework/particles/particle_set.h"
@@ -27,6 +33,14 @@ namespace WEIR_API weir {
 
 struct FluidRoom;
 
+/// What walls give to the push of a particle.
+template <class T>
+struct WallPush {
+  Vec3<T> gradPhi{};  ///< 1/m
+  T d = 0;            ///< 1/m²
+  T steepness = 1;    ///< of meshes, ∇Φ along ∇Φ where it was found, over that
+};
+
 /// For kernels of solvers; empty where a fluid meets no walls. `Boundary` is BoundaryIntegrals or, where that
 /// is enough, BoxBoundary or NoBoundary.
 template <class Boundary>
@@ -34,57 +48,82 @@ struct WallFieldViewWith {
   ArrayView<const Vec4f> integrals;  ///< ∇Φ [1/m] and Φ, of all solids together
   ArrayView<const float> d;          ///< D, 1/m²
   ArrayView<float> share;            ///< m², see above; empty where nobody asks for it
-  ArrayView<const Vec3f> base;       ///< displacements at which integrals were found; all 0 if it is empty
+  ArrayView<const Vec3f> foundAt;    ///< positions at which integrals of meshes were found
+  /// K, 1/m²: xx, yy, zz and xy, xz, yz. Empty for a solver that does not ask for it.
+  ArrayView<const Vec3f> curvature, curvatureOff;
   Boundary boundary;
   // Only where forces move a solid, see body_coupling.h.
   ArrayView<const float> lift;  ///< what the solids' own displacements take from Φ
   ArrayView<float> grip;        ///< m²: by how much the share follows Φ in an iteration
 
   WEIR_HD bool empty() const { return integrals.size == 0 && boundary.empty(); }
-  /// Φ of a particle, or of eight, at displacement u from the predicted position, which is x.
+  /// Φ of a particle, or of eight, at x.
   template <class Index, class T>
-  WEIR_HD T phi(Index i, const Vec3<T>& u, const Vec3<T>& x) const {
-    T sum = phiOfBoundary(x);
-    if (integrals.size > 0) sum += phiOfMeshes(i, u);
-    return sum;
-  }
-  /// The same. Displacements are read only where there are meshes, as nothing else depends on them.
-  template <class Index, class T>
-  WEIR_HD T phi(Index i, const ArrayView<const Vec3f>& displacement, const Vec3<T>& x) const {
-    T sum = phiOfBoundary(x);
-    if (integrals.size > 0) sum += phiOfMeshes(i, read(displacement, i));
-    return sum;
-  }
-  /// ∇Φ and D there; Φ is not among them.
-  template <class Index, class T>
-  WEIR_HD SolidIntegrals<T> push(Index i, const Vec3<T>& x) const {
-    SolidIntegrals<T> sum;
-    if (!boundary.empty()) sum = boundary.at(x);
+  WEIR_HD T phi(Index i, const Vec3<T>& x) const {
+    T sum = boundary.empty() ? T(0) : boundary.at(x).phi;
     if (integrals.size == 0) return sum;
-    const T ofMeshes = positivePart(read(d, i));
-    if (!any(ofMeshes > T(0))) return sum;
-    sum.d += ofMeshes;
+    const Vec4<T> found = read(integrals, i);
+    const auto feels = found.w > T(0);
+    if (!any(feels)) return sum;
+    return sum + zeroUnless(feels, positivePart(ofMeshes(i, x, found).phi));
+  }
+  /// ∇Φ and D there.
+  template <class Index, class T>
+  WEIR_HD WallPush<T> push(Index i, const Vec3<T>& x) const {
+    WallPush<T> sum;
+    if (!boundary.empty()) {
+      const SolidIntegrals<T> of = boundary.at(x);
+      sum.gradPhi = of.gradPhi;
+      sum.d = of.d;
+    }
+    if (integrals.size == 0) return sum;
+    const T dOfMeshes = positivePart(read(d, i));
+    const auto feels = dOfMeshes > T(0);
+    if (!any(feels)) return sum;
+    sum.d += dOfMeshes;
     // Of eight, a particle that feels no mesh gets nothing of its gradient, as if it were alone.
-    const auto feels = ofMeshes > T(0);
-    const Vec4<T> at = read(integrals, i);
-    sum.gradPhi += Vec3<T>{zeroUnless(feels, at.x), zeroUnless(feels, at.y), zeroUnless(feels, at.z)};
+    const Vec4<T> found = read(integrals, i);
+    const Vec3<T> gradient = curvature.size > 0 ? ofMeshes(i, x, found).gradient : xyz(found);
+    sum.gradPhi +=
+        Vec3<T>{zeroUnless(feels, gradient.x), zeroUnless(feels, gradient.y), zeroUnless(feels, gradient.z)};
+    if (curvature.size == 0) return sum;
+    const T square = dot(xyz(found), xyz(found));
+    const auto steep = feels & (square > T(0));
+    sum.steepness = select(steep, dot(gradient, xyz(found)) / select(steep, square, T(1)), T(1));
+    return sum;
+  }
+  WEIR_HD Vec3f gradientOfBoundary(const Vec3f& x) const {
+    return boundary.empty() ? Vec3f{} : boundary.at(x).gradPhi;
+  }
+  /// What shares are over: ∇Φ of boundaries at x, and of meshes where they were found.
+  WEIR_HD Vec3f sharedGradient(std::int64_t i, const Vec3f& x) const {
+    Vec3f sum = gradientOfBoundary(x);
+    if (integrals.size > 0 && d[i] > 0) sum += xyz(integrals[i]);
     return sum;
   }
 
  private:
   template <class T>
-  WEIR_HD T phiOfBoundary(const Vec3<T>& x) const {
-    return boundary.empty() ? T(0) : boundary.at(x).phi;
-  }
+  struct Extrapolated {
+    T phi;
+    Vec3<T> gradient;  // only with K
+  };
   template <class Index, class T>
-  WEIR_HD T phiOfMeshes(Index i, const Vec3<T>& u) const {
-    const Vec4<T> at = read(integrals, i);
-    if (!any(at.w > T(0))) return T(0);
-    Vec3<T> way = u;
-    if (base.size > 0) way -= read(base, i);
-    T phi = at.w + dot(xyz(at), way);
-    if (lift.size > 0) phi -= read(lift, i);
-    return zeroUnless(at.w > T(0), positivePart(phi));
+  WEIR_HD Extrapolated<T> ofMeshes(Index i, const Vec3<T>& x, const Vec4<T>& found) const {
+    const Vec3<T> way = x - read(foundAt, i);
+    const T slope = dot(xyz(found), way);
+    if (curvature.size == 0) {
+      const T phi = found.w + slope;
+      return {lift.size > 0 ? phi - read(lift, i) : phi, {}};
+    }
+    const Vec3<T> bend = SymmetricTensorOf<T>{read(curvature, i), read(curvatureOff, i)} * way;
+    const T growth = dot(way, bend);
+    // Part of the way to where Φ would be least on it.
+    const auto past = (slope < T(0)) & (slope + growth > T(0));
+    const T part = select(past, slope / select(past, -growth, T(1)), T(1));
+    const T phi = found.w + part * (slope + 0.5f * part * growth);
+    const T felt = zeroUnless(phi > T(0), part);
+    return {phi, felt * (xyz(found) + part * bend)};
   }
 };
 using WallFieldView = WallFieldViewWith<BoundaryIntegrals>;
@@ -102,6 +141,9 @@ struct WallField {
         each(device),
         sides(device),
         total(device),
+        foundAt(device),
+        curvature(device),
+        curvatureOff(device),
         d(device),
         legal(device),
         marks(device),
@@ -125,10 +167,10 @@ struct WallField {
   Array<Vec4f> each;       ///< integrals of each pair
   Array<int> sides;        ///< of its solid that its particle sees, see hidden_neighbors.h
   Array<Vec4f> total;      ///< integrals of each particle
+  Array<Vec3f> foundAt, curvature, curvatureOff;  ///< see WallFieldView
   Array<float> d;
-  Attribute<float> share;       ///< an attribute, as particles may be sorted during a step
-  ArrayView<const Vec3f> base;  ///< see WallFieldView
-  Array<Vec3f> legal;           ///< positions that lie in no solid, at the end of the step
+  Attribute<float> share;  ///< an attribute, as particles may be sorted during a step
+  Array<Vec3f> legal;      ///< positions that lie in no solid, at the end of the step
   /// Particles that are near solids are few, so they are listed, and what is costly is done for them alone.
   Array<std::uint8_t> marks;  ///< of those that are to be listed; scratch
   Array<int> met;             ///< that may have met a solid on their way; scratch
@@ -151,9 +193,12 @@ struct WallField {
   Array<Measured> measured;
   Array<SolidImpulse> boundaryImpulses;  ///< one of each of these, scratch
   Array<Vec3f> velocitiesBefore;  ///< before contacts with boundaries, where these report forces; scratch
-  bool still = false;  ///< whether solids stand where they are at time 0, until the simulation starts
-  bool moves = false;  ///< whether the fluid moves solids in this step
-  bool moved = false;  ///< whether a solver has done so
+  bool still = false;   ///< whether solids stand where they are at time 0, until the simulation starts
+  bool moves = false;   ///< whether the fluid moves solids in this step
+  bool moved = false;   ///< whether a solver has done so
+  bool curves = false;  ///< whether the solver asks for K
+  /// Displacement by meshes in this step, beside share·∇Φ, m; empty if there is none.
+  ArrayView<const Vec3f> remainder;
 
   BoundaryIntegrals boundary;  ///< of all boundaries together
 
@@ -200,9 +245,9 @@ struct WallField {
   /// (m/s²) is that of those that forces move.
   void place(double time, double dt, const Vec3f& gravity = {});
   /// Takes the present positions for legal ones.
-  void keepLegal(const ArrayView<const Vec3f>& positions) {
-    legal.device().copy(legal.data(), positions.data, static_cast<std::size_t>(stride) * sizeof(Vec3f));
-  }
+  void keepLegal(const ArrayView<const Vec3f>& positions) { copyAll(positions, legal); }
+  /// And for those at which integrals are found.
+  void keepFoundAt(const ArrayView<const Vec3f>& positions) { copyAll(positions, foundAt); }
   /// No displacement by walls yet; at the beginning of a solver's step.
   void forgetShares() {
     if (keepsShares()) share.fillZero();
@@ -223,11 +268,17 @@ struct WallField {
     if (empty()) return result;
     result.integrals = std::as_const(total).view();
     result.d = std::as_const(d).view();
-    result.base = base;
+    result.foundAt = std::as_const(foundAt).view();
+    if (curves)
+      result.curvature = std::as_const(curvature).view(),
+      result.curvatureOff = std::as_const(curvatureOff).view();
     if (moves) result.lift = std::as_const(lift).view(), result.grip = grip.view();
     return result;
   }
   void addShare(ParticleSet& particles);
+  void copyAll(const ArrayView<const Vec3f>& from, Array<Vec3f>& to) const {
+    to.device().copy(to.data(), from.data, static_cast<std::size_t>(stride) * sizeof(Vec3f));
+  }
 
   std::vector<SolidView> placed_;                // what `views` held before forces moved some
   std::size_t sortedSolids_ = 0;                 // that `grid` is for

@@ -60,7 +60,7 @@ struct FindDiagonal {
     float d = sum.w + dot(fluid, fluid);
     if (!walls.empty()) {
       const Vec3f wall = walls.push(i, xyz(s)).gradPhi;
-      lambda += walls.phi(i, Vec3f{}, xyz(s));
+      lambda += walls.phi(i, xyz(s));
       const float both = dot(fluid + wall, fluid + 2 * wall);
       d = sum.w + (both > 0 ? both : 0.0f);
     }

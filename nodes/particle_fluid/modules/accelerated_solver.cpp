@@ -75,18 +75,13 @@ void AcceleratedSolver::reset(FluidStep& fluid) {
   controlSeen_.emplace(fluid.device);
   passes_ = 0;
   directions_.release();
+  held_ = {};
   carried_ = carries()
                  ? fluid.particles.add<Vec3f>({.name = "displacement",
                                                .unit = "m",
                                                .doc = "By pressure and walls, at the last search in a step.",
                                                .internal = true})
                  : Attribute<Vec3f>();
-  held_ = fluid.walls.reports()
-              ? fluid.particles.add<Vec3f>({.name = "held",
-                                            .unit = "m",
-                                            .doc = "The displacement by walls, in the last step.",
-                                            .internal = true})
-              : Attribute<Vec3f>();
 }
 
 ConjugateView AcceleratedSolver::conjugateView() {
@@ -121,6 +116,13 @@ void AcceleratedSolver::refuseBodies(const FluidStep& fluid) const {
   if (!fluid.walls.moves || !conjugates()) return;
   throw sceneError("conjugate gradients do not move bodies", "another acceleration beside a RigidBody")
       .inParameter(acceleration.name());
+}
+
+void AcceleratedSolver::askForCurvature(FluidStep& fluid) {
+  const bool curves = conjugates() && !fluid.walls.empty();
+  if (curves == fluid.walls.curves) return;
+  fluid.walls.curves = curves;
+  fluid.findWalls();  // this step's were found before
 }
 
 bool AcceleratedSolver::isDone() {
@@ -158,6 +160,11 @@ int AcceleratedSolver::maxPasses() const {
 void AcceleratedSolver::reserve(FluidStep& fluid) {
   const bool walls = fluid.walls.keepsShares();
   if (conjugates()) directions_.reserve(fluid);
+  if (fluid.walls.reports() || fluid.walls.curves)
+    held_ = fluid.particles.add<Vec3f>({.name = "held",
+                                        .unit = "m",
+                                        .doc = "The displacement by walls, in the last step.",
+                                        .internal = true});
   if (hasMomentum()) fitScratch(fluid, plain_);
   if (hasMomentum() && walls) fitScratch(fluid, plainShare_);
   PressureSolver::reserve(fluid, controlled() && !conjugates());
@@ -167,11 +174,13 @@ double AcceleratedSolver::memory(const FluidRoom& room) const {
   // What reserve() fits, and the attribute of reset().
   const double n = room.particles;
   double bytes = PressureSolver::memory(room);
-  if (conjugates()) bytes += directions_.memoryFor(n, room.wallShares, room.boundaryForces);
+  if (conjugates())
+    bytes += directions_.memoryFor(n, room.wallShares, room.boundaryForces || room.solids > 0);
   if (hasMomentum()) bytes += bytesOfArrays(n, plain_);
   if (hasMomentum() && room.solids > 0) bytes += bytesOfArrays(n, plainShare_);
   if (controlled() && !conjugates() && !searches()) bytes += bytesOfArrays(n, excess_);
-  if (room.boundaryForces) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
+  if (room.boundaryForces || (conjugates() && room.solids > 0))
+    bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   if (carries()) bytes += ParticleSet::memoryOfAttribute(n, AttributeType::kVec3);
   return bytes;
 }
@@ -198,19 +207,11 @@ detail::Settle AcceleratedSolver::settleOf(const PressureProblem& problem, bool 
 
 Contain AcceleratedSolver::containOf(const PressureProblem& problem, ArrayView<Vec3f> displacement,
                                      const int* done, ArrayView<Vec3f> held) {
-  // A little more than what makes Judge ask for another search. Only until the simulation starts, as steps to
-  // rest are damped: who is held back in a splash leaves water compressed, which gives it energy.
-  constexpr float kKnown = 0.3f;  // spacings
-  const WallFieldView walls = problem.fluid.walls.view();
-  const bool rests = problem.fluid.walls.still;
   return {.boundary = problem.fluid.walls.boundary.boundary,
           .radius = problem.fluid.constants.contact,
           .predicted = problem.predicted(),
           .displacement = displacement,
           .state = problem.state(),
-          .meshes = {.d = rests ? walls.d : ArrayView<const float>{},
-                     .base = walls.base,
-                     .radius = kKnown * problem.fluid.constants.spacing},
           .held = held,
           .done = done};
 }

@@ -119,17 +119,21 @@ float commonDivisor(const PressureProblem& problem) {
                  (4 - 3 * p);
 }
 
-/// What walls have displaced particles by beside their shares, as a change of velocities.
-struct TellHeld {
+/// What walls have displaced particles by beside their shares: of boundaries as a change of velocities.
+struct DivideHeld {
   WallFieldView walls;
   float inverseDt;
-  ArrayView<const Vec3f> positions, held;
-  ArrayView<Vec3f> before;
+  ArrayView<const Vec3f> positions;
+  ArrayView<Vec3f> held;
+  ArrayView<Vec3f> before;  // empty where nobody asks
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const Vec3f all = held[i];
+    const Vec3f all = held[i], p = positions[i];
     if (all == Vec3f{}) return;
-    before[i] -= inverseDt * (all - walls.share[i] * walls.push(i, positions[i]).gradPhi);
+    const Vec3f rest = all - walls.share[i] * walls.sharedGradient(i, p);
+    const bool ofMeshes = walls.integrals.size > 0 && walls.gradientOfBoundary(p) == Vec3f{};
+    held[i] = ofMeshes ? rest : Vec3f{};
+    if (!ofMeshes && before.size > 0) before[i] -= inverseDt * rest;
   }
 };
 
@@ -140,7 +144,7 @@ struct ShareOfWalls {
   bool asDisplacement;
 
   WEIR_HD void operator()(std::int64_t i) const {
-    const float gradient = length(walls.push(i, xyz(state[i])).gradPhi);
+    const float gradient = length(walls.sharedGradient(i, xyz(state[i])));
     walls.share[i] = asDisplacement ? walls.share[i] * gradient
                      : gradient > 0 ? walls.share[i] / gradient
                                     : 0.0f;
@@ -153,6 +157,7 @@ template <class Backend>
 void AcceleratedSolver::stepOn(Backend& device, FluidStep& fluid) {
   besideBodies_ = fluid.walls.hasBodies();
   refuseBodies(fluid);
+  askForCurvature(fluid);
   PressureProblem problem = problemOf(fluid);
   reserve(fluid);
   fluid.walls.forgetShares();
@@ -340,9 +345,7 @@ void AcceleratedSolver::accelerate(Backend& device, const PressureProblem& probl
 
 template <class Backend>
 void AcceleratedSolver::contain(Backend& device, const PressureProblem& problem, const int* done) {
-  const WallField& walls = problem.fluid.walls;
-  const bool meshesHold = walls.still && !walls.empty();
-  if (!controlled() || (walls.boundary.empty() && !meshesHold)) return;
+  if (!controlled() || problem.fluid.walls.boundary.empty()) return;
   parallelForEights(device, "contain", problem.fluid.particles.count(),
                     containOf(problem, problem.displacement(), done, conjugateView().held));
 }
@@ -352,7 +355,10 @@ void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& proble
   constexpr float kTouching = 1.001f;
   FluidStep& fluid = problem.fluid;
   WallField& walls = fluid.walls;
-  if (walls.boundary.empty()) return;
+  if (walls.boundary.empty()) {
+    if (followsHeld()) divideHeld(device, problem, {});
+    return;
+  }
   addContactImpulses(device, fluid, [&] {
     parallelForEights(device, "walls", fluid.particles.count(),
                       MeetWalls{.pushOf = problem.push(),
@@ -365,13 +371,20 @@ void AcceleratedSolver::meetWalls(Backend& device, const PressureProblem& proble
                                 .before = walls.reports() && !followsHeld() ? walls.velocitiesBefore.view()
                                                                             : ArrayView<Vec3f>{}});
     if (followsHeld())
-      parallelFor(device, "held", fluid.particles.count(),
-                  TellHeld{.walls = walls.view(),
-                           .inverseDt = problem.inverseDt(),
-                           .positions = problem.predicted(),
-                           .held = held_.read(),
-                           .before = walls.velocitiesBefore.view()});
+      divideHeld(device, problem, walls.reports() ? walls.velocitiesBefore.view() : ArrayView<Vec3f>{});
   });
+}
+
+template <class Backend>
+void AcceleratedSolver::divideHeld(Backend& device, const PressureProblem& problem, ArrayView<Vec3f> before) {
+  WallField& walls = problem.fluid.walls;
+  parallelFor(device, "held", problem.fluid.particles.count(),
+              DivideHeld{.walls = walls.view(),
+                         .inverseDt = problem.inverseDt(),
+                         .positions = problem.predicted(),
+                         .held = held_.write(),
+                         .before = before});
+  if (walls.curves) walls.remainder = held_.read();
 }
 
 template <class Backend>
@@ -403,7 +416,6 @@ void AcceleratedSolver::searchAgain(Backend& device, PressureProblem& problem) {
   fluid.exchange(problem.state());
   if (fluid.walls.empty()) return;
   convertShares(false);
-  fluid.walls.base = carried_.read();
   fluid.walls.keepLegal(fluid.particles.positions().read());
 }
 

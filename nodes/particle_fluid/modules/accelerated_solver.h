@@ -121,6 +121,8 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   void reserve(FluidStep& fluid);
   /// Where the acceleration cannot move bodies.
   void refuseBodies(const FluidStep& fluid) const;
+  /// In the first step, as solids come after reset().
+  void askForCurvature(FluidStep& fluid);
   /// Counts, and finds the stages of the way to the predicted positions.
   template <class Backend>
   void beginStep(Backend& device, FluidStep& fluid);
@@ -152,6 +154,10 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   /// What does that, of displacements whose positions are the state.
   static Contain containOf(const PressureProblem& problem, ArrayView<Vec3f> displacement, const int* done,
                            ArrayView<Vec3f> held = {});
+  /// What of the displacement by walls is not in the shares goes to `before`, where a boundary is felt, or to
+  /// the meshes.
+  template <class Backend>
+  void divideHeld(Backend& device, const PressureProblem& problem, ArrayView<Vec3f> before);
   /// What walls do beside holding the fluid.
   template <class Backend>
   void meetWalls(Backend& device, const PressureProblem& problem);
@@ -189,8 +195,8 @@ class AcceleratedSolver final : public PressureSolver, public OnRanks {
   Array<Vec3f> plain_;
   Array<float> plainShare_;
   ConjugateDirections directions_;
-  // Where boundaries report forces: the displacement by walls, their pressure and what keeps particles out,
-  // m.
+  // Where boundaries report forces, and with meshes along conjugate directions: the displacement by walls,
+  // their pressure and what keeps particles out, m; after a step what meshes have of it beside their shares.
   Attribute<Vec3f> held_;
   Attribute<Vec3f> carried_;  // the displacement, as an attribute that sorting puts into its order
   State<Array<Control>> control_{*this, "control"};

@@ -13,13 +13,13 @@ void ConjugateDirections::reserve(FluidStep& fluid) {
   }
   fitScratch(fluid, direction_, tried_, gradient_, previous_, excess_, triedExcess_);
   if (fluid.walls.keepsShares()) fitScratch(fluid, share_, shareChange_);
-  if (fluid.walls.reports()) fitScratch(fluid, heldDirection_, heldChange_);
+  if (fluid.walls.reports() || fluid.walls.curves) fitScratch(fluid, heldDirection_, heldChange_);
 }
 
-double ConjugateDirections::memoryFor(double particles, bool walls, bool forces) const {
+double ConjugateDirections::memoryFor(double particles, bool walls, bool held) const {
   return bytesOfArrays(particles, direction_, tried_, gradient_, previous_, excess_, triedExcess_) +
          (walls ? bytesOfArrays(particles, share_, shareChange_) : 0) +
-         (forces ? bytesOfArrays(particles, heldDirection_, heldChange_) : 0);
+         (held ? bytesOfArrays(particles, heldDirection_, heldChange_) : 0);
 }
 
 void ConjugateDirections::release() {

@@ -62,19 +62,20 @@ struct ConjugateView {
   ArrayView<Vec3f> gradient, previous;   ///< g, and that of the last iteration
   ArrayView<float> excess, triedExcess;  ///< λ − 1 at u and at `tried`
   ArrayView<float> share, shareChange;   ///< of walls, in p and in z
-  // The displacement by walls, as `held` of AcceleratedSolver, and what of it is in p and in z; empty where
-  // no boundary reports forces.
+  // The displacement by walls, as `held` of AcceleratedSolver, and what of it is in p and in z; empty without
+  // meshes where no boundary reports forces.
   ArrayView<Vec3f> held, heldDirection, heldChange;
 };
 
 /// The memory of it.
 class ConjugateDirections {
  public:
-  /// 56 bytes a particle, 8 more with walls of meshes, and 24 more with boundaries that report forces.
+  /// 56 bytes a particle, 8 more with walls of meshes, and 24 more with these or with boundaries that report
+  /// forces.
   /// Contents are undefined.
   void reserve(FluidStep& fluid);
   /// Bytes of that.
-  double memoryFor(double particles, bool walls, bool forces) const;
+  double memoryFor(double particles, bool walls, bool held) const;
   /// Gives it back.
   void release();
   ConjugateView view();

@@ -47,9 +47,9 @@ struct RelativeExcess {
             .state = problem.state()};
   }
   template <class Index>
-  WEIR_HD auto at(Index i, const ArrayView<const Vec3f>& displacement) const {
+  WEIR_HD auto at(Index i) const {
     auto lambda = relativeDensity(i, neighbors, kernel, particleVolume, state);
-    if (!walls.empty()) lambda += walls.phi(i, displacement, xyz(read(state, i)));
+    if (!walls.empty()) lambda += walls.phi(i, xyz(read(state, i)));
     return lambda - 1;
   }
 };
@@ -69,7 +69,7 @@ struct Settle {
   template <class Index>
   WEIR_HD void operator()(Index i) const {
     if (!first && (control->done || !control->far)) return;
-    write(of.excess, i, density.at(i, displacement));
+    write(of.excess, i, density.at(i));
     finish(i);
   }
 
@@ -187,7 +187,7 @@ struct Descend {
     const auto p = read(predicted, i) + moved;
     write(state, i, {p.x, p.y, p.z, 0});
     if (of.share.size > 0) write(of.shareChange, i, (at.wall - read(pushOf.walls.share, i)) / divisor);
-    if (of.held.size > 0) write(of.heldChange, i, (at.wall * at.gradPhi - read(of.held, i)) / divisor);
+    if (of.held.size > 0) write(of.heldChange, i, (at.byWalls - read(of.held, i)) / divisor);
   }
 };
 
@@ -265,7 +265,7 @@ struct SumTrial {
 
   template <class Index>
   WEIR_HD void operator()(Index i) const {
-    if (!control->done) write(of.triedExcess, i, density.at(i, of.tried));
+    if (!control->done) write(of.triedExcess, i, density.at(i));
   }
 };
 

@@ -26,7 +26,7 @@ struct FirstDerivative {
   WEIR_HD void operator()(Index i) const {
     const auto p = read(predicted, i);
     auto lambda = volumeAtZero * read(crowding, i);
-    if (!walls.empty()) lambda += walls.phi(i, Vec3<NumberAt<Index>>{}, p);
+    if (!walls.empty()) lambda += walls.phi(i, p);
     const auto e = excessOf(lambda, tension);
     write(weighted, i, {p.x, p.y, p.z, energy.derivative(e)});
   }
@@ -46,7 +46,7 @@ struct DerivativeOfPlace {
   WEIR_HD void operator()(std::int64_t i) const {
     const Vec4f at = loadWhole(places[i]);
     float lambda = volumeAtZero * at.w;
-    if (!walls.empty()) lambda += walls.phi(i, Vec3f{}, xyz(at));
+    if (!walls.empty()) lambda += walls.phi(i, xyz(at));
     storeWhole(places[i], {at.x, at.y, at.z, energy.derivative(excessOf(lambda, tension))});
   }
 };

@@ -24,7 +24,6 @@ void Pbf::stepOn(Backend& device, FluidStep& fluid) {
       textbook ? 1.0f : stepFactor * c.particleMass,
       tension,
       walls,
-      displacement_.view(),
       state_.view(),
       weighted_.view()};
   const pbf::Correct correct{fluid.neighbors.view(),

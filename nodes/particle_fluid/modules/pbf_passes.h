@@ -16,7 +16,6 @@ struct Multiplier {
   float scale;       // of the step
   bool tension;
   WallFieldView walls;
-  ArrayView<const Vec3f> displacement;
   ArrayView<const Vec4f> state;
   ArrayView<Vec4f> weighted;
 
@@ -33,7 +32,7 @@ struct Multiplier {
     });
     float over = gradient.particleVolume * density - 1;
     if (!walls.empty()) {
-      over += walls.phi(i, displacement, p);
+      over += walls.phi(i, p);
       sum += walls.push(i, p).gradPhi;
     }
     const float constraint = tension || over > 0 ? over : 0.0f;
@@ -63,8 +62,9 @@ struct Correct {
       move += (s.w + t.w - repulsion * w * w * w * w) * gradient(r, pairSign(i, j));
     });
     if (!walls.empty()) {
-      move += s.w * walls.push(i, xyz(s)).gradPhi;
-      if (walls.share.size > 0) walls.share[i] += s.w;
+      const WallPush<float> wall = walls.push(i, xyz(s));
+      move += s.w * wall.gradPhi;
+      if (walls.share.size > 0) walls.share[i] += s.w * wall.steepness;
     }
     const Vec3f moved = displacement[i] + move;
     displacement[i] = moved;

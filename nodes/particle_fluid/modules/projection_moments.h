@@ -78,8 +78,7 @@ struct FindMoments {
       if (far > 0) moments.addSquare(sqrtf(dot(g, g)) / far, r);
     });
     float lambda = packing.gradient.particleVolume * sum;
-    if (!walls.empty())
-      lambda += positivePart(walls.phi(i, -dt * velocities[i], p) - planes.meshes.gained(i, dt));
+    if (!walls.empty()) lambda += positivePart(walls.phi(i, p) - planes.meshes.gained(i, dt));
     const PlanesAtParticle at = planes.at(i, p, all);
     at.forEach([&](const WallPlane& of) { moments.addSquare(of.push * of.distance, of.normal); });
     write(i, at, inverseOf(moments), lambda);

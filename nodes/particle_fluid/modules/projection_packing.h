@@ -1,29 +1,12 @@
 // What the passes of TwoProjections (two_projections.h) know of each particle, and sums over its pairs.
 #pragma once
 
+#include "framework/base/symmetric_tensor.h"
 #include "nodes/particle_fluid/density.h"
 #include "nodes/particle_fluid/displacement.h"
 #include "nodes/particle_fluid/modules/projection_mirrors.h"
 
 namespace weir {
-
-/// A symmetric matrix, by its two parts.
-struct SymmetricTensor {
-  Vec3f diagonal, off;  // xx, yy, zz; xy, xz, yz
-
-  WEIR_HD Vec3f operator*(const Vec3f& r) const {
-    return {diagonal.x * r.x + off.x * r.y + off.y * r.z, off.x * r.x + diagonal.y * r.y + off.z * r.z,
-            off.y * r.x + off.z * r.y + diagonal.z * r.z};
-  }
-  WEIR_HD void addSquare(float weight, const Vec3f& r) {
-    diagonal += weight * Vec3f{r.x * r.x, r.y * r.y, r.z * r.z};
-    off += weight * Vec3f{r.x * r.y, r.x * r.z, r.y * r.z};
-  }
-  WEIR_HD float determinant() const {
-    const Vec3f d = diagonal, o = off;
-    return d.x * (d.y * d.z - o.z * o.z) - o.x * (o.x * d.z - o.z * o.y) + o.y * (o.x * o.z - d.y * o.y);
-  }
-};
 
 /// Of moments, made regular where neighbours are few or lie in a plane.
 WEIR_HD inline SymmetricTensor inverseOf(SymmetricTensor m) {

@@ -77,15 +77,24 @@ struct PressureImpulse {
   ArrayView<const Vec3f> positions;
   ArrayView<const Vec4f> each;
   ArrayView<const float> share;
+  ArrayView<const Vec3f> remainder;  // see WallField
 
   template <class Give>
   WEIR_HD void operator()(std::int64_t n, const Give& give) const {
     const int i = near[n];
     const float s = share[i];
-    if (s == 0) return;
+    const Vec3f rest = remainder.size > 0 ? remainder[i] : Vec3f{};
+    if (s == 0 && rest == Vec3f{}) return;
+    // The remainder is each solid's by how much its ∇Φ is of all.
+    float all = 0;
+    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) all += length(xyz(each[pair]));
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
       const int k = pairs.solid[pair];
-      give(k, [&] { return impulseAt(-massPerDt * s * xyz(each[pair]), positions[i] - solids[k].pivot); });
+      const Vec3f gradient = xyz(each[pair]);
+      const float part = all > 0 ? length(gradient) / all : 0.0f;
+      give(k, [&] {
+        return impulseAt(-massPerDt * (s * gradient + part * rest), positions[i] - solids[k].pivot);
+      });
     }
   }
 };
@@ -119,7 +128,7 @@ void SolidContact::stepOn(Backend& device, FluidStep& fluid) {
   sumByKeyOverRanks(device, "pressure impulse",
                     {ranksOf(fluid), walls.pairs.nearCount(), walls.pairs.bySolid()}, solids.size,
                     PressureImpulse{solids, fluid.constants.particleMass / dt, pairs, walls.pairs.near(),
-                                    positions, each, walls.share.read()},
+                                    positions, each, walls.share.read(), walls.remainder},
                     AddImpulses{}, walls.impulses.data() + solids.size);
   giveImpulses(device, walls, 2);
 }

@@ -46,7 +46,7 @@ struct Finish {
     state[i] = {to.x, to.y, to.z, 0};
     pressure[i] = toPressure * q[i];
     if (walls.share.size == 0) return;
-    const Vec3f toWall = walls.push(i, p).gradPhi;
+    const Vec3f toWall = walls.sharedGradient(i, p);
     const float square = dot(toWall, toWall);
     if (square > 0) walls.share[i] += dt * dot(byWalls, toWall) / square;
   }
@@ -254,7 +254,6 @@ void TwoProjections::correct(Backend& device, FluidStep& fluid) {
                               .scale = kRelaxation,
                               .tension = false,
                               .walls = walls,
-                              .displacement = displacement_.view(),
                               .state = state_.view(),
                               .weighted = weighted_.view()});
   fluid.exchange(weighted_.view());

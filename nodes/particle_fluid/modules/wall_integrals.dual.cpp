@@ -10,15 +10,19 @@ namespace {
 struct StoreIntegrals {
   ArrayView<Vec4f> each, total;
   ArrayView<float> d;
+  ArrayView<Vec3f> diagonal, off;  // of the curvature; empty where nobody asks for it
   ArrayView<int> sides;
 
   WEIR_HD void operator()(int pair, const FoundSolid& found) const {
     sides[pair] = found.sides;
     each[pair] = stored(found.integrals);
   }
-  WEIR_HD void operator()(int i, const SolidIntegrals<float>& sum) const {
-    total[i] = stored(sum);
-    d[i] = sum.d;
+  WEIR_HD void all(int i, const FoundSolid& sum) const {
+    total[i] = stored(sum.integrals);
+    d[i] = sum.integrals.d;
+    if (diagonal.size == 0) return;
+    diagonal[i] = sum.curvature.diagonal;
+    off[i] = sum.curvature.off;
   }
   WEIR_HD static Vec4f stored(const SolidIntegrals<float>& of) {
     return {of.gradPhi.x, of.gradPhi.y, of.gradPhi.z, of.phi};
@@ -32,7 +36,8 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
   WallField& walls = fluid.walls;
   walls.fit(fluid.particles);
   walls.keepLegal(fluid.particles.positions().read());
-  walls.base = {};
+  walls.keepFoundAt(fluid.particles.positions().read());
+  walls.remainder = {};
   const ArrayView<const SolidView> solids = walls.views.view();
   const ArrayView<const Vec3f> positions = fluid.particles.positions().read();
   const float reach = fluid.constants.supportRadius;
@@ -52,6 +57,8 @@ void WallIntegrals::findOn(Backend& device, FluidStep& fluid) {
              StoreIntegrals{.each = walls.each.view(),
                             .total = walls.total.view(),
                             .d = walls.d.view(),
+                            .diagonal = walls.curvature.view(),
+                            .off = walls.curvatureOff.view(),
                             .sides = walls.sides.view()},
              /*alwaysTeams=*/fluid.divided != nullptr);
   takeOutHiddenNeighbors(device, fluid);

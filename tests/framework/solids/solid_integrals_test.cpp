@@ -243,6 +243,52 @@ TEST(SolidIntegrals, GradientIsThatOfPhi) {
   }
 }
 
+SymmetricTensorOf<double> curvatureOf(const Soup& soup, const Vec3d& p, bool isSheet = false) {
+  SolidIntegrator<double> solid(p, kH, isSheet);
+  for (const Corners& t : soup) solid.addTriangle(t.a, t.b, t.c);
+  return solid.curvature(1);
+}
+
+TEST(SolidIntegrals, CurvatureOfAHalfSpaceIsTheClosedForm) {
+  const Frame frame = turnedFrame();
+  const Soup soup = cubeSoup(frame, 4 * kH, false);
+  for (const double q : {0.05, 0.25, 0.5, 0.9}) {
+    const Vec3d p = frame({q * kH, -2 * kH, -2 * kH});
+    const double expected = 30 * q * std::pow(1 - q, 3) / (kH * kH);
+    for (const Vec3d& along : {frame.x, frame.y, normalized(frame.x + frame.y)}) {
+      const double cosine = dot(along, frame.x);
+      EXPECT_NEAR(dot(along, curvatureOf(soup, p) * along), cosine * cosine * expected, 1e-6 * expected) << q;
+    }
+    // A sheet has it on both sides, what is behind a face of a solid has none.
+    const Vec3d behind = frame({-q * kH, -2 * kH, -2 * kH});
+    EXPECT_NEAR(dot(frame.x, curvatureOf(soup, behind, true) * frame.x), expected, 1e-6 * expected) << q;
+    EXPECT_EQ(dot(frame.x, curvatureOf(soup, behind) * frame.x), 0) << q;
+  }
+}
+
+// In the edges and corners of a room, across its faces: as ∇Φ changes, but for what one face shows less of
+// the nearer the other is.
+TEST(SolidIntegrals, CurvatureIsHowTheGradientChangesAcrossTheFacesOfARoom) {
+  const Frame frame = turnedFrame();
+  const Soup soup = cubeSoup(frame, 0.05, true);
+  double worst = 0;
+  for (const double a : {0.15, 0.25, 0.4})
+    for (const double b : {0.15, 0.25, 0.4, 2.0})
+      for (const double c : {0.25, 2.0}) {
+        const Vec3d p = frame(Vec3d{-a, -b, -c} * kH);
+        const double h = 1e-4 * kH;
+        const double changes = dot(frame.x, integrate(soup, p + h * frame.x).gradPhi -
+                                                integrate(soup, p - h * frame.x).gradPhi) /
+                               (2 * h);
+        const double found = dot(frame.x, curvatureOf(soup, p) * frame.x);
+        worst = std::max(worst, std::abs(found / changes - 1));
+        // Never less than nothing, in any direction.
+        for (const Vec3d& along : randomPoints(20, 1))
+          EXPECT_GE(dot(along, curvatureOf(soup, p) * along), -1e-9 * found);
+      }
+  EXPECT_LT(worst, 0.08);
+}
+
 struct Place {
   const char* name;
   Vec3d local;

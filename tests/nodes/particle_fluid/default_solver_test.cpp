@@ -129,17 +129,22 @@ TEST(DefaultSolver, DeepWaterAtRestStaysThere) {
   }
 }
 
-// If a step may leave no more than in calm water, this takes 8 iterations.
+// Also where it does not come to rest before the start. Without the curvature of what meshes give, 1000
+// iterations a step are too few.
 TEST(DefaultSolver, InATankOfAMeshWaterIsCalmAtTheLongestStepsToo) {
-  const NodeReport report = expectIncompressible(kMeshTank, {});
-  EXPECT_LT(number(report, "solver_iterations", "mean"), 40);
-  EXPECT_EQ(number(report, "solver_iterations", "not_converged"), 0);
+  const NodeReport rested = expectIncompressible(kMeshTank, {});
+  EXPECT_LT(number(rested, "solver_iterations", "mean"), 40);
+  EXPECT_EQ(number(rested, "solver_iterations", "not_converged"), 0);
   constexpr double kMass = 96;  // kg
-  const double kinetic = report.statistics.find("kinetic_energy")->asDouble() / kMass;
-  std::printf("kinetic energy %.2g m²/s²\n", kinetic);
-  EXPECT_LT(kinetic, 1e-3);
+  const NodeReport started = expectIncompressible(kMeshTank, {"water.rest_steps=0"});
+  for (const NodeReport& report : {rested, started}) {
+    const double kinetic = report.statistics.find("kinetic_energy")->asDouble() / kMass;
+    std::printf("kinetic energy %.2g m²/s²\n", kinetic);
+    EXPECT_LT(kinetic, 1e-3);
+  }
 }
 
+// If a step may leave no more than in calm water, this takes 8 iterations.
 TEST(DefaultSolver, ASplashTakesFewerIterationsThanItWouldToBecomeCalm) {
   const NodeReport report = expectIncompressible(
       kDamBreak, {"block.max=[0.2, 0.2, 0.1]", "tank.max=[0.4, 0.4, 0.1]", "water.spacing=0.01",
