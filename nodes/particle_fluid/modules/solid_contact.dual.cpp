@@ -87,7 +87,8 @@ struct PressureImpulse {
     if (s == 0 && rest == Vec3f{}) return;
     // The remainder is each solid's by how much its ∇Φ is of all.
     float all = 0;
-    for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) all += length(xyz(each[pair]));
+    if (!(rest == Vec3f{}))
+      for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) all += length(xyz(each[pair]));
     for (int pair = pairs.begin(i); pair < pairs.end(i); ++pair) {
       const int k = pairs.solid[pair];
       const Vec3f gradient = xyz(each[pair]);
